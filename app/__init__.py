@@ -1,0 +1,1 @@
+"""Everything with a device, a window, a wire or a command line."""

@@ -1,0 +1,1 @@
+"""Numbers: fitting, regression and tracking. No Qt, no OpenGL, no camera, no clock."""
