@@ -153,6 +153,8 @@ class ModelFit:
         translations_mm: (N, 3).
         landmark_vertices: (N, L) vertex of each landmark, contour updated per image.
         rms_px: (N,) landmark distance after the fit.
+        offsets_mm: (60, 3) displacement of the internal landmarks from the model's surface, in
+            the model frame: what the identity weights cannot express.
     """
 
     identity: FloatArray
@@ -161,6 +163,7 @@ class ModelFit:
     translations_mm: FloatArray
     landmark_vertices: I32
     rms_px: FloatArray
+    offsets_mm: FloatArray = field(default_factory=lambda: np.zeros((60, 3)))
 
     def __post_init__(self) -> None:
         freeze(
@@ -171,6 +174,7 @@ class ModelFit:
             translations_mm=(np.float64, ("N", 3)),
             landmark_vertices=(np.int32, ("N", "L")),
             rms_px=(np.float64, ("N",)),
+            offsets_mm=(np.float64, (60, 3)),
         )
 
 
