@@ -1,0 +1,1 @@
+"""Pages and widgets: they show records and emit wishes; no numerics."""

@@ -1,0 +1,126 @@
+"""A picture, fitted into its widget, with points over it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+#: Bright on skin and on dark hair, and told apart by colour-blind people.
+POINT_COLOR = QColor(0, 220, 255)
+POINT_EDGE = QColor(0, 40, 60, 200)
+LOST_COLOR = QColor(255, 170, 0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Overlay:
+    """Points to draw over a picture.
+
+    Attributes:
+        points_px: (L, 2) in the picture's pixels.
+        curves: Sequences of indices to join by lines.
+        certain: False draws in the warning colour.
+    """
+
+    points_px: NDArray[np.float64]
+    curves: tuple[tuple[int, ...], ...] = ()
+    certain: bool = True
+
+
+def image_from_array(pixels: NDArray[np.uint8]) -> QImage:
+    """Return a QImage that owns its pixels, from (H, W, 3) RGB or (H, W, 4) RGBA uint8."""
+    pixels = np.ascontiguousarray(pixels)
+    height, width, channels = pixels.shape
+    form = QImage.Format.Format_RGB888 if channels == 3 else QImage.Format.Format_RGBA8888
+    return QImage(pixels.data, width, height, channels * width, form).copy()
+
+
+class PictureView(QWidget):
+    """Draws what it was last shown; with nothing to show, a text says what to do."""
+
+    def __init__(self, name: str, empty_text: str, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setAccessibleName(name)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.setMinimumSize(240, 180)
+        self._empty_text = empty_text
+        self._image: QImage | None = None
+        self._overlay: Overlay | None = None
+        self._mirrored = False
+
+    def sizeHint(self) -> QSize:
+        """Return the size of a usual webcam picture."""
+        return QSize(640, 480)
+
+    def show_image(self, image: QImage | None) -> None:
+        """Show a picture, or the empty text."""
+        self._image = image
+        self.update()
+
+    def show_overlay(self, overlay: Overlay | None) -> None:
+        """Show points over the picture, or none."""
+        self._overlay = overlay
+        self.update()
+
+    def show_empty_text(self, text: str) -> None:
+        """Change what is said while there is no picture."""
+        self._empty_text = text
+        self.update()
+
+    def set_mirrored(self, mirrored: bool) -> None:
+        """Show the picture like a mirror does."""
+        self._mirrored = mirrored
+        self.update()
+
+    def picture_rect(self) -> QRectF:
+        """Return where in the widget the picture lies."""
+        if self._image is None:
+            return QRectF(self.rect())
+        scale = min(self.width() / self._image.width(), self.height() / self._image.height())
+        width, height = self._image.width() * scale, self._image.height() * scale
+        return QRectF((self.width() - width) / 2, (self.height() - height) / 2, width, height)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Paint the picture, then the points."""
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), self.palette().color(self.palette().ColorRole.Dark))
+        if self._image is None:
+            self._paint_empty(painter)
+            return
+        target = self.picture_rect()
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+        painter.translate(target.topLeft())
+        painter.scale(target.width() / self._image.width(), target.height() / self._image.height())
+        if self._mirrored:
+            painter.translate(self._image.width(), 0)
+            painter.scale(-1, 1)
+        painter.drawImage(QPointF(0, 0), self._image)
+        if self._overlay is not None:
+            self._paint_overlay(painter, self._overlay)
+
+    def _paint_empty(self, painter: QPainter) -> None:
+        painter.setPen(self.palette().color(self.palette().ColorRole.BrightText))
+        margin = self.rect().adjusted(24, 24, -24, -24)
+        painter.drawText(
+            margin, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self._empty_text
+        )
+
+    def _paint_overlay(self, painter: QPainter, overlay: Overlay) -> None:
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        # Pixel centres are whole numbers in our coordinates and halves in Qt's.
+        points = [QPointF(x + 0.5, y + 0.5) for x, y in overlay.points_px]
+        color = POINT_COLOR if overlay.certain else LOST_COLOR
+        line = QPen(color, 1.0)
+        line.setCosmetic(True)
+        painter.setPen(line)
+        for curve in overlay.curves:
+            painter.drawPolyline([points[index] for index in curve])
+        radius = 1.8 / painter.transform().m22()
+        edge = QPen(POINT_EDGE, 0.8)
+        edge.setCosmetic(True)
+        painter.setPen(edge)
+        painter.setBrush(color)
+        for point in points:
+            painter.drawEllipse(point, radius, radius)
