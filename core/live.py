@@ -1,0 +1,295 @@
+"""Frame by frame: the regressor, the tracker, and finding the face again.
+
+`LiveTracker` is the only object here that remembers anything between frames.
+"""
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from core.alignment import Alignment
+from core.animation_prior import AnimationPrior
+from core.arkit import EXPRESSION_NAMES
+from core.camera import camera_for, project
+from core.face_model import FaceModel, eye_centers_mm, shape_vertices
+from core.landmarks import N_INTERNAL, N_LANDMARKS
+from core.model_fit import FewLandmarksError
+from core.records import (
+    U8,
+    Camera,
+    FaceState,
+    FloatArray,
+    Frame,
+    Landmarks2D,
+    Shape3D,
+    UserBlendshapes,
+)
+from core.regressor import FernRegressor, Regression
+from core.shape_recovery import RecoverySettings, recover_one
+from core.tracker import TrackedFace, Tracker, TrackerModel
+
+
+class Aligner(Protocol):
+    """What is needed of the generic aligner."""
+
+    def follow(self, rgb: U8, previous: Alignment | None) -> Alignment | None:
+        """Return the face near the previous one, or after None the largest."""
+        ...
+
+    def check(self, rgb: U8, landmarks_px: FloatArray) -> Alignment | None:
+        """Return what the network sees where a tracker says the face is."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class User:
+    """What tracking needs of a profile.
+
+    Attributes:
+        camera: Of the setup pictures.
+        blendshapes: The user's own.
+        regressor: Trained on the user's pictures.
+    """
+
+    camera: Camera
+    blendshapes: UserBlendshapes
+    regressor: FernRegressor
+
+
+@dataclass(frozen=True, slots=True)
+class LiveSettings:
+    """When tracking is doubted, checked and given up.
+
+    Attributes:
+        check_every: Frames between two looks by the generic aligner.
+        doubt: Residual of the regressor above which a frame is checked at once; 1 is what 99 %
+            of good frames stay below.
+        doubt_spread_mm: The same for the disagreement of its runs.
+        doubt_pause: Frames after a passed check in which doubt alone asks for no other one.
+        disagreement: Distance of the regressed landmarks from the aligner's, in eye distances
+            (RMS), above which the regressor is wrong.
+        recovery: How a shape is found from landmarks.
+    """
+
+    check_every: int = 30
+    doubt: float = 1.3
+    doubt_spread_mm: float = 6.0
+    doubt_pause: int = 5
+    disagreement: float = 0.13
+    recovery: RecoverySettings = field(default_factory=RecoverySettings)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Found:
+    """The shape of one frame and how far to trust it."""
+
+    points_mm: FloatArray
+    confidence: float
+
+
+class LiveTracker:
+    """Turns frames into face states.
+
+    Frames of another size than the setup's are understood as the same view in more or fewer
+    pixels.
+    """
+
+    def __init__(
+        self, model: FaceModel, user: User, aligner: Aligner, prior: AnimationPrior,
+        settings: LiveSettings | None = None,
+    ) -> None:  # fmt: skip
+        """Prepare to follow one user.
+
+        Args:
+            model: The face model that the user's profile was made with.
+            user: From the profile.
+            aligner: Finds the face first and after tracking was lost.
+            prior: Of the tracker.
+            settings: When to check.
+        """
+        self._model, self._user, self._aligner = model, user, aligner
+        self._settings = settings or LiveSettings()
+        self._tracker = Tracker(tracker_model(model, user.blendshapes), prior)
+        self._use_size(user.camera.size_px)
+        self._alignment: Alignment | None = None
+        self._points_mm: FloatArray | None = None
+        self._since_check = 0
+        self._last = _no_state()
+
+    @property
+    def camera(self) -> Camera:
+        """The camera in pixels of the last frame."""
+        return self._camera
+
+    def reset(self) -> None:
+        """Forget the past, as after a cut."""
+        self._alignment, self._points_mm = None, None
+        self._tracker.reset()
+
+    def step(self, frame: Frame) -> FaceState:
+        """Return the face in a frame; `lost` and the last good state where there is none."""
+        size_px = (frame.gray.shape[1], frame.gray.shape[0])
+        if size_px != self._camera.size_px:
+            self._use_size(size_px)
+            self.reset()
+        found = self._continue(frame) or self._start(frame)
+        if found is None:
+            self._last = _as_lost(self._last, frame.time_s)
+            return self._last
+        if self._last.lost:
+            self._tracker.reset()
+        face = self._tracker.step(found.points_mm, frame.time_s, found.confidence)
+        self._last = self._state(frame.time_s, found, face)
+        return self._last
+
+    def _use_size(self, size_px: tuple[int, int]) -> None:
+        camera = self._user.camera
+        self._camera = (
+            camera
+            if size_px == camera.size_px
+            else camera_for(size_px, camera.focal_px * size_px[0] / camera.size_px[0])
+        )
+        self._regression = Regression(self._user.regressor, self._camera)
+
+    def _continue(self, frame: Frame) -> _Found | None:
+        """Return the shape regressed from the previous one, None if it cannot be trusted."""
+        if self._points_mm is None:
+            return None
+        shape = self._regression.run(frame.gray, self._points_mm)
+        if not self._is_sane(shape) or not self._passes_check(frame, shape):
+            self._points_mm = None
+            return None
+        self._points_mm = shape.points_mm
+        return _Found(shape.points_mm, self._confidence(shape))
+
+    def _is_sane(self, shape: Shape3D) -> bool:
+        """Return whether the shape lies before the camera and inside the picture."""
+        depth = shape.points_mm[:, 2]
+        if depth.min() <= 50.0 or depth.max() > 10_000.0:
+            return False
+        center = project(self._camera, shape.points_mm.mean(axis=0))
+        return bool(np.all(center >= 0) and np.all(center < self._camera.size_px))
+
+    def _is_doubtful(self, shape: Shape3D) -> bool:
+        settings = self._settings
+        return shape.residual > settings.doubt or shape.spread_mm > settings.doubt_spread_mm
+
+    def _passes_check(self, frame: Frame, shape: Shape3D) -> bool:
+        """Let the generic aligner look now and then, and at once where there is doubt."""
+        self._since_check += 1
+        settings = self._settings
+        pause = settings.doubt_pause if self._is_doubtful(shape) else settings.check_every
+        if self._since_check < pause:
+            return True
+        self._since_check = 0
+        landmarks_px = project(self._camera, shape.points_mm[:N_LANDMARKS])
+        alignment = self._aligner.check(frame.rgb, landmarks_px)
+        if alignment is None:
+            return False
+        self._alignment = alignment
+        return disagreement(landmarks_px, alignment.landmarks) < settings.disagreement
+
+    def _start(self, frame: Frame) -> _Found | None:
+        """Return the shape recovered from the generic aligner's landmarks, None without a face.
+
+        The regressor goes on from there in the next frame if it agrees.
+        """
+        self._alignment = self._aligner.follow(frame.rgb, self._alignment)
+        if self._alignment is None:
+            return None
+        landmarks = self._alignment.landmarks
+        try:
+            recovered = recover_one(
+                self._model, self._user.blendshapes, self._camera, landmarks,
+                self._settings.recovery,
+            )  # fmt: skip
+        except FewLandmarksError:
+            return None
+        shape = self._regression.run(frame.gray, recovered.points_mm[0])
+        landmarks_px = project(self._camera, shape.points_mm[:N_LANDMARKS])
+        agrees = disagreement(landmarks_px, landmarks) < self._settings.disagreement
+        if agrees and self._is_sane(shape):
+            self._points_mm, self._since_check = shape.points_mm, 0
+            return _Found(shape.points_mm, self._confidence(shape))
+        return _Found(recovered.points_mm[0], 0.5 * self._alignment.presence)
+
+    def _confidence(self, shape: Shape3D) -> float:
+        """Return 1 for a frame like the training pictures, 0.5 at the level of doubt."""
+        return float(1 / (1 + (shape.residual / self._settings.doubt) ** 4))
+
+    def _state(self, time_s: float, found: _Found, face: TrackedFace) -> FaceState:
+        shape = found.points_mm[:N_LANDMARKS]
+        return FaceState(
+            time_s=time_s,
+            rotation_wxyz=face.rotation_wxyz,
+            translation_mm=face.translation_mm,
+            expression=face.expression,
+            gaze_rad=face.gaze_rad,
+            shape_mm=shape,
+            landmarks_px=project(self._camera, shape),
+            confidence=found.confidence,
+            mode="trained",
+            lost=False,
+        )
+
+
+def tracker_model(model: FaceModel, user: UserBlendshapes) -> TrackerModel:
+    """Return the user's face restricted to the points of the shape."""
+    vertices = shape_vertices(model)
+    radius = float(model.eyeball_radius_mm)
+    return TrackerModel(
+        user.neutral_mm[vertices],
+        user.deltas_mm[:, vertices],
+        eye_centers_mm(model, user.neutral_mm),
+        np.array([radius, radius]),
+    )
+
+
+def disagreement(points_px: FloatArray, landmarks: Landmarks2D) -> float:
+    """Return the RMS distance from an aligner's internal landmarks in parts of the face's size.
+
+    The unit is the distance of the outer eye corners, or on a turned head the height from brows
+    to lower lip that goes with it; the aligner's confidence weighs the landmarks.
+
+    Args:
+        points_px: (L, 2).
+        landmarks: The aligner's.
+    """
+    aligned = landmarks.points_px[:N_INTERNAL]
+    weights = landmarks.confidence[:N_INTERNAL] + 1e-6
+    squares = np.sum((points_px[:N_INTERNAL] - aligned) ** 2, axis=1)
+    # Faces are about as high from brow to lip as wide from eye corner to eye corner.
+    size = max(float(np.ptp(aligned[:, 0])), float(np.ptp(aligned[:, 1])))
+    return float(np.sqrt(np.average(squares, weights=weights)) / max(size, 1.0))
+
+
+def _no_state() -> FaceState:
+    """Return a resting face half a metre before the camera, lost."""
+    return FaceState(
+        time_s=0.0,
+        rotation_wxyz=np.array([1.0, 0, 0, 0]),
+        translation_mm=np.array([0, 0, 500.0]),
+        expression=np.zeros(len(EXPRESSION_NAMES)),
+        gaze_rad=np.zeros((2, 2)),
+        shape_mm=np.zeros((N_LANDMARKS, 3)),
+        landmarks_px=np.zeros((N_LANDMARKS, 2)),
+        confidence=0.0,
+        mode="trained",
+        lost=True,
+    )
+
+
+def _as_lost(state: FaceState, time_s: float) -> FaceState:
+    return FaceState(
+        time_s=time_s,
+        rotation_wxyz=state.rotation_wxyz,
+        translation_mm=state.translation_mm,
+        expression=state.expression,
+        gaze_rad=state.gaze_rad,
+        shape_mm=state.shape_mm,
+        landmarks_px=state.landmarks_px,
+        confidence=0.0,
+        mode=state.mode,
+        lost=True,
+    )

@@ -1,0 +1,222 @@
+"""The offline story: pictures and their landmarks in, a user's face model and regressor out.
+
+pictures -> landmarks -> camera -> model fit -> blendshapes -> 3D shapes -> regressor
+"""
+
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TypeVar
+
+import numpy as np
+
+from core.blendshapes import user_blendshapes
+from core.calibration import CalibrationSettings, FocalEstimate, estimate_focal
+from core.camera import camera_for
+from core.errors import CoreError
+from core.evaluation import TABLE_WIDTH_PX
+from core.face_model import FaceModel
+from core.held_out import HeldOutSettings, held_out_report
+from core.model_fit import LEAST_LANDMARKS, FitSettings, fit_model, trusted_landmarks
+from core.records import (
+    U8,
+    Camera,
+    Landmarks2D,
+    ModelFit,
+    Progress,
+    SetupImages,
+    SetupShapes,
+    UserBlendshapes,
+)
+from core.regressor import FernRegressor
+from core.regressor_trainer import TrainSettings, train
+from core.shape_recovery import RecoverySettings, recover_shapes
+from core.training_set import TrainingSetSettings, make_training_set
+
+T = TypeVar("T")
+
+#: With fewer usable pictures a regressor cannot be trained or tested.
+LEAST_PICTURES = 10
+
+#: What share of the whole work each stage takes, measured on 60 pictures.
+SHARES = {"calibrate": 0.3, "fit": 0.1, "recover": 0.05, "held_out": 0.25, "train": 0.3}
+STEPS = 1000
+
+
+class FewPicturesError(CoreError):
+    """Too few setup pictures show a face well enough."""
+
+    def __init__(self, usable: int, given: int) -> None:
+        self.usable, self.given = usable, given
+        super().__init__(
+            f"{usable} of {given} setup pictures show a face well enough, at least "
+            f"{LEAST_PICTURES} are needed: add pictures with better light, or a longer video"
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class BuildSettings:
+    """The settings of every stage."""
+
+    fit: FitSettings = field(default_factory=FitSettings)
+    calibration: CalibrationSettings = field(default_factory=CalibrationSettings)
+    recovery: RecoverySettings = field(default_factory=RecoverySettings)
+    training_set: TrainingSetSettings = field(default_factory=TrainingSetSettings)
+    train: TrainSettings = field(default_factory=TrainSettings)
+    held_out: HeldOutSettings = field(default_factory=HeldOutSettings)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Built:
+    """Everything that a profile keeps.
+
+    Attributes:
+        camera: Of the setup pictures.
+        images: The pictures used.
+        landmarks: Their landmarks.
+        fit: The bilinear model fitted to them.
+        user: The user's blendshapes.
+        shapes: The 3D shape of every picture.
+        regressor: Trained on all of them.
+        report: Figures for people, JSON-ready.
+    """
+
+    camera: Camera
+    images: SetupImages
+    landmarks: tuple[Landmarks2D, ...]
+    fit: ModelFit
+    user: UserBlendshapes
+    shapes: SetupShapes
+    regressor: FernRegressor
+    report: dict[str, object]
+
+
+def gray_from_rgb(rgb: U8) -> U8:
+    """Return the grey levels (H, W) of a picture (H, W, 3): ITU-R BT.601 luma, in integers."""
+    weights = np.array([77, 150, 29], np.uint32)
+    return np.asarray((rgb @ weights + 128) >> 8, dtype=np.uint8)
+
+
+def usable_pictures(
+    images: SetupImages, landmarks: Sequence[Landmarks2D]
+) -> tuple[SetupImages, tuple[Landmarks2D, ...], list[str]]:
+    """Return the pictures whose landmarks can be fitted, and the names of the others.
+
+    Raises:
+        FewPicturesError: Too few are left.
+    """
+    kept = [n for n, one in enumerate(landmarks) if trusted_landmarks(one) >= LEAST_LANDMARKS]
+    if len(kept) < LEAST_PICTURES:
+        raise FewPicturesError(len(kept), len(landmarks))
+    dropped = [name for n, name in enumerate(images.names) if n not in kept]
+    left = SetupImages(
+        tuple(images.images[n] for n in kept),
+        tuple(images.names[n] for n in kept),
+        images.standard[kept],
+    )
+    return left, tuple(landmarks[n] for n in kept), dropped
+
+
+def build(
+    model: FaceModel, images: SetupImages, landmarks: Sequence[Landmarks2D],
+    focal_px: float | None, rng: np.random.Generator, settings: BuildSettings | None = None,
+) -> Generator[Progress, None, Built]:  # fmt: skip
+    """Make a user's model and regressor from pictures with landmarks.
+
+    Args:
+        model: The bilinear face model.
+        images: The setup pictures.
+        landmarks: Their landmarks; pictures with too few trusted ones are left out.
+        focal_px: Focal length if it is known, else it is found.
+        rng: Source of all random choices.
+        settings: Settings of every stage.
+
+    Yields:
+        Progress of the whole work, `total` steps in all.
+
+    Returns:
+        All that a profile keeps.
+
+    Raises:
+        FewPicturesError: Too few pictures show a face.
+        FocalNotBracketedError: No focal length explains the pictures.
+    """
+    settings = settings or BuildSettings()
+    images, landmarks, dropped = usable_pictures(images, landmarks)
+    height, width = images.images[0].shape[:2]
+    stages = _Stages()
+    standard = images.standard
+    if focal_px is None:
+        search = estimate_focal(model, (width, height), landmarks, standard, settings.calibration)
+        focal: FocalEstimate | None = yield from stages.run("calibrate", search)
+        camera = focal.camera if focal else camera_for((width, height), 1.0)
+    else:
+        focal, camera = None, camera_for((width, height), focal_px)
+    fit = yield from stages.run("fit", fit_model(model, camera, landmarks, settings.fit, standard))
+    user = user_blendshapes(model, fit)
+    shapes = yield from stages.run(
+        "recover",
+        recover_shapes(model, user, camera, landmarks, fit, standard, settings.recovery),
+    )
+    gray = [gray_from_rgb(image) for image in images.images]
+    training = (settings.training_set, settings.train)
+    held_out = yield from stages.run(
+        "held_out", held_out_report(gray, camera, shapes, rng, training, settings.held_out)
+    )
+    samples = make_training_set(gray, camera, shapes.points_mm, rng, settings.training_set)
+    regressor = yield from stages.run("train", train(samples, rng, settings.train))
+    report = _report(camera, focal, images, fit, shapes, dropped) | {"held_out": held_out}
+    return Built(camera, images, tuple(landmarks), fit, user, shapes, regressor, report)
+
+
+LABELS = {
+    "calibrate": "Finding the focal length",
+    "fit": "Fitting the face model",
+    "recover": "Recovering 3D shapes",
+    "held_out": "Testing on held-out pictures",
+    "train": "Training the regressor",
+}
+
+
+class _Stages:
+    """Turns the progress of each stage into that of the whole."""
+
+    def __init__(self) -> None:
+        self._before = 0.0
+
+    def run(self, name: str, steps: Generator[Progress, None, T]) -> Generator[Progress, None, T]:
+        """Run a stage to its end."""
+        label = LABELS[name]
+        yield Progress(int(STEPS * self._before), STEPS, label)
+        while True:
+            try:
+                inner = next(steps)
+            except StopIteration as end:
+                self._before += SHARES[name]
+                return end.value  # type: ignore[no-any-return]
+            place = self._before + SHARES[name] * inner.done / max(inner.total, 1)
+            yield replace(inner, done=int(STEPS * place), total=STEPS, label=label)
+
+
+def _report(
+    camera: Camera, focal: FocalEstimate | None, images: SetupImages, fit: ModelFit,
+    shapes: SetupShapes, dropped: list[str],
+) -> dict[str, object]:  # fmt: skip
+    scale = TABLE_WIDTH_PX / camera.size_px[0]
+    return {
+        "pictures": len(images.images),
+        "left_out": dropped,
+        "size_px": list(camera.size_px),
+        "focal_px": camera.focal_px,
+        "focal_source": "found" if focal else "given",
+        "focal_spread_percent": 100 * focal.spread if focal else 0.0,
+        "focal_curve": [
+            [float(px), float(error)]
+            for px, error in zip(focal.focals_px, focal.errors, strict=True)
+        ]
+        if focal
+        else [],
+        "fit_rms_px_at_640": float(scale * np.sqrt(np.mean(fit.rms_px**2))),
+        "shape_rms_px_at_640": float(scale * np.sqrt(np.mean(shapes.rms_px**2))),
+        "picture_names": list(images.names),
+        "picture_rms_px_at_640": (scale * shapes.rms_px).tolist(),
+    }
