@@ -1,0 +1,142 @@
+"""One Gauss-Newton step over all pictures and the identity that they share.
+
+[Cao13, 4.1] alternates: poses and expressions with the identity fixed, then the identity with
+those fixed. Both move together here: the pictures are eliminated one by one by the Schur
+complement, as in bundle adjustment. Alternation crawls where an identity weight can be traded
+for an expression or a shift in depth; this takes about ten steps from a mean face.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.box_least_squares import minimize_half_bounded
+from core.fit_problem import N_POSE, State, linearise
+from core.fit_space import FitSpace
+from core.landmarks import N_INTERNAL
+from core.picture_fit import Problem, damped, local_equations, picture_energy, step_bounds
+from core.records import I32, FloatArray
+
+N_OFFSETS = 3 * N_INTERNAL
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Person:
+    """What all pictures share.
+
+    Attributes:
+        identity: (I,) weights, standard normal in the population.
+        offsets_mm: (60, 3) displacement of the internal landmarks from the model.
+    """
+
+    identity: FloatArray
+    offsets_mm: FloatArray
+
+    def moved(self, step: FloatArray) -> "Person":
+        """Return the person after a step (I + 180,)."""
+        n_identity = len(self.identity)
+        offsets = self.offsets_mm + step[n_identity:].reshape(-1, 3)
+        return Person(self.identity + step[:n_identity], offsets)
+
+    def energy(self, offset_mm: float) -> float:
+        """Return the cost of this person, with offsets of `offset_mm` being usual."""
+        return float(np.sum(self.identity**2) + np.sum(self.offsets_mm**2) / offset_mm**2)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointProblem:
+    """What is held fixed while a person is fitted.
+
+    Attributes:
+        pictures: Camera, landmarks and expression prior.
+        space: The model at the picked points.
+        picks: (N, L) point of each landmark.
+        offset_mm: Usual size of the offsets.
+    """
+
+    pictures: Problem
+    space: FitSpace
+    picks: I32
+    offset_mm: float
+
+
+def joint_energy(joint: JointProblem, person: Person, state: State) -> float:
+    """Return the cost of a person and all pictures."""
+    face = joint.space.face(person.identity, person.offsets_mm)
+    pictures = picture_energy(joint.pictures, face, state, joint.picks)
+    return float(pictures.sum()) + person.energy(joint.offset_mm)
+
+
+def joint_step(
+    joint: JointProblem, person: Person, state: State, damping: float
+) -> tuple[Person, State]:
+    """Return the person and the pictures after one damped step; the energy may have risen.
+
+    Args:
+        joint: What is held fixed.
+        person: Identity and offsets.
+        state: Poses and coefficients.
+        damping: Relative enlargement of the diagonals.
+    """
+    problem, space, picks = joint.pictures, joint.space, joint.picks
+    face = space.face(person.identity, person.offsets_mm)
+    linear = linearise(problem.camera, face, state, picks, problem.observations)
+    hessians, gradients, root = local_equations(problem, state, linear)
+    hessians = damped(hessians, np.full(len(picks), damping))
+    shared = _shared_jacobian(space, state, picks, linear.lift) * root[..., None, None]
+    shared = shared.reshape(len(picks), -1, shared.shape[-1])
+    local = (linear.local * root[..., None, None]).reshape(len(picks), -1, hessians.shape[1])
+    residuals = (linear.residuals_px * root[..., None]).reshape(len(picks), -1)
+    cross = np.swapaxes(local, 1, 2) @ shared
+    flat = shared.reshape(-1, shared.shape[-1])
+    precision = _precision(person, joint.offset_mm)
+    values = np.concatenate([person.identity, person.offsets_mm.ravel()])
+    shared_hessian = flat.T @ flat + np.diag(precision)
+    shared_hessian[np.diag_indices(len(values))] *= 1 + damping
+    shared_gradient = flat.T @ residuals.ravel() + precision * values
+
+    lower, upper = step_bounds(state.expressions)
+    locked = _locked(gradients, lower, upper)
+    step = _reduced_step(hessians, gradients, cross, locked, shared_hessian, shared_gradient)
+    follow = gradients + cross @ step
+    return person.moved(step), state.moved(minimize_half_bounded(hessians, follow, lower, upper))
+
+
+def _shared_jacobian(space: FitSpace, state: State, picks: I32, lift: FloatArray) -> FloatArray:
+    """Return d(projection)/d(identity, offsets), (N, L, 2, I + 180)."""
+    modes = space.identity_jacobians(state.expressions, picks)
+    n_identity = modes.shape[-1]
+    out = np.zeros((*lift.shape[:3], n_identity + N_OFFSETS))
+    np.matmul(lift, modes, out=out[..., :n_identity])
+    for landmark in range(N_INTERNAL):
+        first = n_identity + 3 * landmark
+        out[:, landmark, :, first : first + 3] = lift[:, landmark]
+    return out
+
+
+def _precision(person: Person, offset_mm: float) -> FloatArray:
+    return np.concatenate([np.ones(len(person.identity)), np.full(N_OFFSETS, offset_mm**-2.0)])
+
+
+def _locked(gradients: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
+    """Return which local variables (N, 6 + B) rest at a bound that they push against."""
+    slope = gradients[:, N_POSE:]
+    held = ((lower >= 0) & (slope > 0)) | ((upper <= 0) & (slope < 0))
+    return np.concatenate([np.zeros((len(held), N_POSE), bool), held], axis=1)
+
+
+def _reduced_step(
+    hessians: FloatArray, gradients: FloatArray, cross: FloatArray, locked: FloatArray,
+    shared_hessian: FloatArray, shared_gradient: FloatArray,
+) -> FloatArray:  # fmt: skip
+    """Return the step (I + 180,) of the person when every picture follows as it likes."""
+    free = ~locked
+    masked = hessians * (free[:, :, None] & free[:, None, :])
+    diagonal = np.arange(hessians.shape[1])
+    masked[:, diagonal, diagonal] += locked
+    right = np.concatenate([gradients[..., None], cross], axis=2) * free[..., None]
+    solved = np.linalg.solve(masked, right)
+    coupled = right[..., 1:].reshape(-1, cross.shape[2])
+    eliminated = coupled.T @ solved.reshape(len(coupled), -1)
+    reduced = shared_hessian - eliminated[:, 1:]
+    return np.linalg.solve(reduced, eliminated[:, 0] - shared_gradient)

@@ -1,0 +1,64 @@
+"""Landmarks for pictures in which the aligner finds no face: a start for the user's hand.
+
+At +-90 degrees of yaw no detector sees the face. The pose is then known from the prompt, and the
+person from the other pictures.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from core.camera import project
+from core.face_model import FaceModel, eye_centers_mm
+from core.fit_problem import State, picked
+from core.fit_space import face_at
+from core.geometry import matrix_from_head_angles, matrix_from_quaternion
+from core.model_fit import choose_picks
+from core.pupils import PUPIL_RADIUS_MM
+from core.records import Camera, FloatArray, Landmarks2D, ModelFit, UserBlendshapes
+from core.setup_plan import Shot
+
+#: What the head turns about, in the model frame: the top of the spine.
+PIVOT_MM = np.array([0.0, 70.0, 90.0])
+
+
+def guess_landmarks(
+    model: FaceModel, user: UserBlendshapes, camera: Camera, shot: Shot,
+    fitted: Sequence[Shot], fit: ModelFit,
+) -> Landmarks2D:  # fmt: skip
+    """Return the landmarks of a prompted picture as the model expects them, confidence 0.
+
+    Args:
+        model: The face model.
+        user: The user's blendshapes.
+        camera: The camera.
+        shot: The prompt of the picture.
+        fitted: Prompts of the N pictures that were fitted.
+        fit: Their fit.
+    """
+    rotation, translation = expected_pose(shot, fitted, fit)
+    state = State(rotation[None], translation[None], shot.standard[None])
+    face = face_at(model, user.neutral_mm, user.deltas_mm)
+    points = project(camera, picked(face, state, choose_picks(face, state)))[0]
+    pupils = eye_centers_mm(model, user.neutral_mm) - np.array([0.0, 0.0, PUPIL_RADIUS_MM])
+    pupils_px = project(camera, pupils @ rotation.T + translation)
+    n_points = len(points)
+    return Landmarks2D(points, np.zeros(n_points, bool), np.zeros(n_points), pupils_px, np.zeros(2))
+
+
+def expected_pose(
+    shot: Shot, fitted: Sequence[Shot], fit: ModelFit
+) -> tuple[FloatArray, FloatArray]:
+    """Return rotation (3, 3) and translation (3,) in which a prompt will have been followed.
+
+    The pose of the fitted picture with the nearest prompt, turned about the neck by the
+    difference of the two prompts.
+    """
+    prompts = np.array([[one.yaw, one.pitch, one.roll] for one in fitted])
+    distance = np.linalg.norm(prompts - [shot.yaw, shot.pitch, shot.roll], axis=1)
+    nearest = int(distance.argmin())
+    was = matrix_from_quaternion(fit.rotations_wxyz[nearest])
+    asked_there = matrix_from_head_angles(*prompts[nearest])
+    turned = matrix_from_head_angles(shot.yaw, shot.pitch, shot.roll) @ asked_there.T @ was
+    neck = was @ PIVOT_MM + fit.translations_mm[nearest]
+    return turned, neck - turned @ PIVOT_MM

@@ -1,0 +1,225 @@
+"""Fits the bilinear model to the landmarks of all setup pictures [Cao13, 4.1]."""
+
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from core.contour import contour_points
+from core.errors import CoreError
+from core.face_model import FaceModel
+from core.fit_priors import expression_prior
+from core.fit_problem import (
+    Observations,
+    State,
+    posed,
+    residuals_px,
+    rms_px,
+    start_state,
+)
+from core.fit_space import Face, FitSpace, fit_space
+from core.geometry import quaternion_from_matrix
+from core.joint_step import JointProblem, Person, joint_energy, joint_step
+from core.landmarks import N_INTERNAL
+from core.picture_fit import Problem, StepSettings, fit_pictures
+from core.records import I32, Camera, FloatArray, Landmarks2D, ModelFit, Progress
+
+#: A picture needs this many trusted internal landmarks for its pose to be found.
+LEAST_LANDMARKS = 12
+TRUSTED = 0.3
+
+
+class FewLandmarksError(CoreError):
+    """A picture has too few trusted landmarks to be fitted."""
+
+    def __init__(self, picture: int, found: int) -> None:
+        self.picture, self.found = picture, found
+        super().__init__(
+            f"picture {picture} has {found} trusted landmarks inside the face, at least "
+            f"{LEAST_LANDMARKS} are needed: place them by hand or leave the picture out"
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class FitSettings:
+    """How the model is fitted.
+
+    Attributes:
+        noise_mm: Landmark noise on the face; it weighs the landmarks against the priors.
+        contour_weight: Weight of a contour landmark, which is less certain than an internal one.
+        offset_mm: Usual distance of a landmark from where the model has it.
+        spread_scale: Multiplies the usual spreads of the expression coefficients.
+        standard_spread: How far people are from a* when they follow a prompt.
+        slope: Cost of using a shape that is not prompted.
+        rounds: Updates of the contour vertices [Cao13: three].
+        steps: Most joint steps in a round.
+        tolerance: A round ends when the energy falls by less than this share.
+        pictures: How poses and expressions are iterated.
+    """
+
+    noise_mm: float = 1.5
+    contour_weight: float = 0.15
+    offset_mm: float = 1.0
+    spread_scale: float = 1.0
+    standard_spread: float = 0.35
+    slope: float = 3.0
+    rounds: int = 3
+    steps: int = 8
+    tolerance: float = 2e-4
+    pictures: StepSettings = field(default_factory=StepSettings)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """A fit in its own terms: what the next one starts from."""
+
+    person: Person
+    state: State
+    picks: I32
+    energy: float
+
+
+def trusted_landmarks(landmarks: Landmarks2D) -> int:
+    """Return how many internal landmarks can be trusted."""
+    return int(np.sum(landmarks.confidence[:N_INTERNAL] > TRUSTED))
+
+
+def check_landmarks(landmarks: Sequence[Landmarks2D]) -> None:
+    """Check that every picture can be fitted.
+
+    Raises:
+        FewLandmarksError: One cannot.
+    """
+    for picture, one in enumerate(landmarks):
+        if (found := trusted_landmarks(one)) < LEAST_LANDMARKS:
+            raise FewLandmarksError(picture, found)
+
+
+def observe(
+    camera: Camera, start: State, landmarks: Sequence[Landmarks2D], settings: FitSettings
+) -> Observations:
+    """Return the landmarks with their weights.
+
+    The noise is taken as a length on the face, so that near and far faces, small and large
+    pictures are treated alike.
+    """
+    points = np.stack([one.points_px for one in landmarks])
+    confidence = np.stack([one.confidence for one in landmarks])
+    sigma = settings.noise_mm * camera.focal_px / start.translations_mm[:, 2]
+    confidence[:, N_INTERNAL:] *= settings.contour_weight
+    return Observations(points, confidence / sigma[:, None] ** 2, sigma)
+
+
+def choose_picks(face: Face, state: State) -> I32:
+    """Return the point (N, L) of each landmark in each picture, the contour for its pose."""
+    posed_mm = posed(face.points_mm(state.expressions), state)
+    contour = contour_points(face.neutral_mm, posed_mm, state.rotations, face.strips)
+    internal = np.broadcast_to(np.arange(N_INTERNAL), (len(posed_mm), N_INTERNAL))
+    return np.concatenate([internal, contour], axis=1).astype(np.int32)
+
+
+def first_guess(
+    space: FitSpace, camera: Camera, landmarks: Sequence[Landmarks2D], standard: FloatArray
+) -> Fit:
+    """Return the mean person in the poses that POSIT finds."""
+    person = Person(np.zeros(len(space.identity_modes_mm)), np.zeros((N_INTERNAL, 3)))
+    face = space.face(person.identity, person.offsets_mm)
+    state = start_state(camera, face.neutral_mm, landmarks, len(face.deltas_mm))
+    state = State(state.rotations, state.translations_mm, np.nan_to_num(standard, nan=0.0))
+    return Fit(person, state, choose_picks(face, state), np.inf)
+
+
+def refine(
+    problem: Problem, space: FitSpace, start: Fit, settings: FitSettings
+) -> Generator[Progress, None, Fit]:
+    """Fit person and pictures together, from a start.
+
+    Yields:
+        Progress, once per round.
+    """
+    fit = start
+    for turn in range(settings.rounds):
+        face = space.face(fit.person.identity, fit.person.offsets_mm)
+        picks = choose_picks(face, fit.state)
+        state = fit_pictures(problem, face, fit.state, picks) if turn == 0 else fit.state
+        fit = joint_rounds(problem, space, Fit(fit.person, state, picks, np.inf), settings)
+        yield Progress(turn + 1, settings.rounds, "Fitting the face model", {"energy": fit.energy})
+    return fit
+
+
+def joint_rounds(problem: Problem, space: FitSpace, start: Fit, settings: FitSettings) -> Fit:
+    """Return the fit after joint steps with the contour vertices held."""
+    joint = JointProblem(problem, *space.narrowed(start.picks), settings.offset_mm)
+    person, state, damping = start.person, start.state, 1e-3
+    energy = joint_energy(joint, person, state)
+    for _ in range(settings.steps):
+        tried = joint_step(joint, person, state, damping)
+        tried_energy = joint_energy(joint, *tried)
+        if tried_energy >= energy:
+            damping *= 10
+            continue
+        gain, energy = energy - tried_energy, tried_energy
+        (person, state), damping = tried, max(damping * 0.2, 1e-6)
+        if gain < settings.tolerance * energy:
+            break
+    return Fit(person, state, start.picks, energy)
+
+
+def fit_model(
+    model: FaceModel, camera: Camera, landmarks: Sequence[Landmarks2D], settings: FitSettings,
+    standard: FloatArray | None = None,
+) -> Generator[Progress, None, ModelFit]:  # fmt: skip
+    """Fit identity, poses and expressions to the landmarks of all pictures [Cao13, eq. 3, 4].
+
+    Args:
+        model: The bilinear face model.
+        camera: The camera of all pictures.
+        landmarks: N pictures' landmarks.
+        settings: How to fit.
+        standard: (N, B) coefficients a* of prompted expressions, NaN rows where there is no
+            prompt; None if there is none at all.
+
+    Yields:
+        Progress, once per round.
+
+    Returns:
+        The fit.
+
+    Raises:
+        FewLandmarksError: A picture cannot be fitted.
+    """
+    check_landmarks(landmarks)
+    space = fit_space(model)
+    problem, start = set_up(space, camera, landmarks, settings, standard)
+    fit = yield from refine(problem, space, start, settings)
+    return as_record(problem, space, fit)
+
+
+def set_up(
+    space: FitSpace, camera: Camera, landmarks: Sequence[Landmarks2D], settings: FitSettings,
+    standard: FloatArray | None,
+) -> tuple[Problem, Fit]:  # fmt: skip
+    """Return the problem and the first guess of a fit."""
+    if standard is None:
+        standard = np.full((len(landmarks), len(space.delta_modes_mm)), np.nan)
+    prior = expression_prior(
+        standard, settings.spread_scale, settings.standard_spread, settings.slope
+    )
+    start = first_guess(space, camera, landmarks, standard)
+    observations = observe(camera, start.state, landmarks, settings)
+    return Problem(camera, observations, prior, settings.pictures), start
+
+
+def as_record(problem: Problem, space: FitSpace, fit: Fit) -> ModelFit:
+    """Return the fit as the record that later stages read."""
+    face = space.face(fit.person.identity, fit.person.offsets_mm)
+    residuals = residuals_px(problem.camera, face, fit.state, fit.picks, problem.observations)
+    return ModelFit(
+        fit.person.identity,
+        fit.state.expressions,
+        np.stack([quaternion_from_matrix(one) for one in fit.state.rotations]),
+        fit.state.translations_mm,
+        space.vertices[fit.picks],
+        rms_px(residuals, problem.observations),
+        fit.person.offsets_mm,
+    )
