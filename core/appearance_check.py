@@ -1,0 +1,115 @@
+"""Does the picture look, at the found shape, like the face the regressor was trained on?"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.appearance import AppearancePoints
+from core.kernels.appearance import sample_training
+from core.point_drawing import PointSettings, draw_points
+from core.records import F32, FloatArray, freeze
+from core.training_set import TrainingSet
+
+#: Raw grey levels would call every change of the light a failure.
+CHECK_POINTS = PointSettings(n_points=256, spread=0.12, softening=6.0)
+N_COMPONENTS = 16
+N_FOLDS = 6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AppearanceCheck:
+    """A linear model of the appearance at the right shape.
+
+    Attributes:
+        points: Where it looks.
+        mean: (P,) mean appearance of the training pictures.
+        basis: (C, P) orthonormal, how the appearance varies among them.
+        level: Distance from the model that 99 % of good frames stay below.
+    """
+
+    points: AppearancePoints
+    mean: F32
+    basis: F32
+    level: float
+
+    def __post_init__(self) -> None:
+        freeze(self, mean=(np.float32, ("P",)), basis=(np.float32, ("C", "P")))
+
+
+def learn_check(
+    training_set: TrainingSet, shape_mm: FloatArray, rng: np.random.Generator
+) -> AppearanceCheck:
+    """Learn what the training pictures look like at their true shapes.
+
+    The level comes from pictures that the model was not learned from: each sixth in turn is
+    held out.
+
+    Args:
+        training_set: Pictures and shapes.
+        shape_mm: (Q, 3) mean shape, for drawing the points.
+        rng: Source of the points.
+    """
+    points = draw_points(shape_mm, training_set.triangles, rng, CHECK_POINTS)
+    appearances = true_appearances(training_set, points)
+    held_out = np.arange(len(appearances)) % N_FOLDS
+    distances = np.zeros(len(appearances))
+    for fold in range(N_FOLDS):
+        away = held_out == fold
+        if away.any() and not away.all():
+            mean, basis = _linear_model(appearances[~away])
+            distances[away] = residuals(appearances[away], mean, basis)
+    mean, basis = _linear_model(appearances)
+    return AppearanceCheck(points, mean, basis, _level(distances))
+
+
+def true_appearances(training_set: TrainingSet, points: AppearancePoints) -> F32:
+    """Return the undisturbed appearance (N, P) of every picture at its own shape."""
+    camera, augmentation = training_set.camera, training_set.augmentation
+    n_images = len(training_set.images)
+    out = np.empty((n_images, len(points.corners)), np.float32)
+    sample_training(
+        training_set.images,
+        np.arange(n_images, dtype=np.int32),
+        np.zeros((n_images, 3), np.float32),
+        training_set.shapes_mm.astype(np.float32),
+        points.corners,
+        points.weights,
+        points.offsets,
+        points.members,
+        points.cell,
+        CHECK_POINTS.softening,
+        np.array([camera.focal_px, *camera.center_px], np.float32),
+        augmentation.normals,
+        augmentation.faces,
+        np.empty((0, 4), np.float32),
+        augmentation.lamp,
+        augmentation.occluder,
+        out,
+    )
+    return out
+
+
+def residuals(appearances: F32, mean: F32, basis: F32) -> FloatArray:
+    """Return the RMS distance (N,) of appearances (N, P) from the linear model."""
+    difference = (appearances - mean).astype(np.float64)
+    inside = difference @ basis.T.astype(np.float64)
+    squared = (difference**2).sum(axis=1) - (inside**2).sum(axis=1)
+    return np.asarray(np.sqrt(np.maximum(squared, 0) / appearances.shape[1]))
+
+
+def _linear_model(appearances: F32) -> tuple[F32, F32]:
+    mean = appearances.mean(axis=0)
+    n_components = min(N_COMPONENTS, max((len(appearances) - 1) // 2, 0))
+    basis = np.linalg.svd(appearances - mean, full_matrices=False)[2][:n_components]
+    return mean.astype(np.float32), basis.astype(np.float32)
+
+
+def _level(distances: FloatArray) -> float:
+    """Return the 99 % level of distances that are about normally distributed.
+
+    Some tens of pictures have no 99th percentile of their own, and one bad label among them
+    must not set it: median and quartiles are extrapolated.
+    """
+    low, middle, high = np.percentile(distances, [25, 50, 75])
+    # The quartiles of a normal distribution are 1.349 deviations apart; 2.326 is its 99 % point.
+    return float(max(middle + 2.326 * (high - low) / 1.349, 1e-6))

@@ -1,0 +1,48 @@
+"""One stage of ferns, applied to several shapes at once."""
+
+import numba
+import numpy as np
+
+from core.records import F32, I32
+
+
+@numba.njit(cache=True, nogil=True)
+def add_ferns(
+    intensities: F32,  # (P, L)
+    pairs: I32,  # (K, F, 2)
+    thresholds: F32,  # (K, F)
+    leaves: F32,  # (K, 2**F, C) numbers in the stage's basis
+    leaf: I32,  # (L,) scratch
+    out: F32,  # (L, C), added to
+) -> None:
+    """Add the output of every fern of one stage to `out`."""
+    n_runs = intensities.shape[1]
+    for k in range(pairs.shape[0]):
+        for r in range(n_runs):
+            leaf[r] = 0
+        for f in range(pairs.shape[1]):
+            first, second = intensities[pairs[k, f, 0]], intensities[pairs[k, f, 1]]
+            threshold = thresholds[k, f]
+            for r in range(n_runs):
+                # Test 0 is the highest bit: the trainer numbers its leaves the same way.
+                passed = np.int32(1) if first[r] - second[r] >= threshold else np.int32(0)
+                leaf[r] = 2 * leaf[r] + passed
+        for r in range(n_runs):
+            row = leaves[k, leaf[r]]
+            for c in range(leaves.shape[2]):
+                out[r, c] += row[c]
+
+
+@numba.njit(cache=True, nogil=True)
+def add_basis(
+    coefficients: F32,  # (L, C)
+    basis: F32,  # (C, Q, 3)
+    shapes: F32,  # (Q, 3, L), added to
+) -> None:
+    """Move every shape by its coefficients times the basis of the stage."""
+    for q in range(shapes.shape[0]):
+        for c in range(3):
+            for m in range(basis.shape[0]):
+                weight = basis[m, q, c]
+                for r in range(shapes.shape[2]):
+                    shapes[q, c, r] += coefficients[r, m] * weight

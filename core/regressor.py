@@ -1,0 +1,186 @@
+"""Image and previous 3D shape -> 3D shape of this frame [Cao13, algorithm 2]."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.appearance import AppearanceReader
+from core.fern_regressor import FernRegressor
+from core.kernels.ferns import add_basis, add_ferns
+from core.kernels.starts import (
+    align_rotation,
+    center_shape,
+    choose_starts,
+    combine_runs,
+    place_starts,
+    squared_distances,
+    turn_shape,
+)
+from core.records import U8, Camera, FloatArray, Shape3D
+
+__all__ = ["FernRegressor", "Regression", "RegressionSettings"]
+
+#: Runs are laid out in blocks of so many, the width of a vector instruction.
+LANES = 8
+
+
+@dataclass(frozen=True, slots=True)
+class RegressionSettings:
+    """How a regressor is applied.
+
+    Attributes:
+        n_runs: L, starting shapes [Cao13: 15].
+        use_median: Combine the runs by their median, as in the paper, instead of their mean.
+        again_mm: Run a second time, from the first result, if that lies further than this (RMS)
+            from the previous shape; one pass reaches about 10 degrees or 10 mm.
+    """
+
+    n_runs: int = 15
+    use_median: bool = False
+    again_mm: float = 8.0
+
+
+class _Stage:
+    """The arrays of one stage, each in its own memory."""
+
+    def __init__(self, regressor: FernRegressor, stage: int) -> None:
+        self.points = regressor.points(stage)
+        self.pairs = regressor.pairs[stage]
+        self.thresholds = regressor.thresholds[stage]
+        self.leaves = regressor.leaves[stage]
+        self.basis = regressor.basis_mm[stage]
+
+
+class Regression:
+    """Applies a regressor frame by frame.
+
+    All work space is made once. Inside, shapes live in the shape space: turned by M^a and
+    around the origin, so that the way back to the camera is one rotation and one shift.
+    """
+
+    def __init__(
+        self,
+        regressor: FernRegressor,
+        camera: Camera,
+        settings: RegressionSettings | None = None,
+    ) -> None:
+        """Take a regressor and the camera of the frames to come."""
+        self._regressor = regressor
+        self._settings = settings or RegressionSettings()
+        self._frame_shape = camera.size_px[::-1]
+        self._projection = np.array([camera.focal_px, *camera.center_px], np.float32)
+        self._stages = [_Stage(regressor, stage) for stage in range(len(regressor.pairs))]
+        self._softening = float(regressor.softening)
+        self._check_points = regressor.check_points()
+        self._make_room()
+
+    def _make_room(self) -> None:
+        """Allocate everything that a frame needs."""
+        regressor, n_runs = self._regressor, self._settings.n_runs
+        n_shapes, n_points, _ = regressor.shapes_mm.shape
+        lanes = -(-n_runs // LANES) * LANES
+        self._steps = n_points * np.sum(regressor.translations_mm**2, axis=1)
+        self._reader = AppearanceReader(n_points, self._stages[0].points, lanes)
+        self._check_reader = AppearanceReader(n_points, self._check_points, 1)
+        self._center, self._rotation = np.zeros(3), np.eye(3)
+        self._centred, self._turned = np.empty((n_points, 3)), np.empty((n_points, 3))
+        self._scratch = np.empty((3, 4, 4))
+        self._distances = np.empty(n_shapes)
+        self._chosen = np.zeros((n_runs, 2), np.int32)
+        self._values = np.empty(n_runs)
+        self._leaf = np.empty(lanes, np.int32)
+        self._moves = np.empty((lanes, regressor.basis_mm.shape[1]), np.float32)
+        self._result = np.empty((n_points, 3))
+        self._difference = np.empty(len(regressor.check_mean), np.float32)
+        self._inside = np.empty(len(regressor.check_basis), np.float32)
+
+    def run(self, gray: U8, previous_points_mm: FloatArray) -> Shape3D:
+        """Return the shape of this frame.
+
+        We differ from [Cao13, algorithm 2] in the second pass, which fast motion needs, and by
+        default in taking the mean of the runs: it trembles less than their median.
+
+        Args:
+            gray: (H, W) of the camera's size.
+            previous_points_mm: (Q, 3) shape in the frame before, camera frame.
+
+        Raises:
+            ValueError: The picture has another size, or the shape is not finite.
+        """
+        previous = self._checked(gray, previous_points_mm)
+        spread = self._pass(gray, previous)
+        moved = np.sqrt(np.mean(np.sum((self._result - previous) ** 2, axis=1)))
+        if moved > self._settings.again_mm:
+            spread = self._pass(gray, self._result)
+        return Shape3D(self._result, spread, self._residual(gray))
+
+    def run_from(self, gray: U8, starts_mm: FloatArray) -> Shape3D:
+        """Return the shape found from given starts, without M^a, for experiments.
+
+        Args:
+            gray: (H, W) of the camera's size.
+            starts_mm: (L or fewer, Q, 3) camera frame.
+
+        Raises:
+            ValueError: The picture has another size, or a shape is not finite.
+        """
+        starts = self._checked(gray, starts_mm)
+        n_starts, lanes = len(starts), self._reader.shapes.shape[2]
+        if n_starts > self._settings.n_runs:
+            raise ValueError(f"{n_starts} starts, but room for {self._settings.n_runs}")
+        self._center[:] = starts.mean(axis=(0, 1))
+        self._rotation[:] = np.eye(3)
+        filled = np.minimum(np.arange(lanes), n_starts - 1)
+        self._reader.shapes[:] = np.moveaxis(starts[filled] - self._center, 0, 2)
+        spread = self._regress(gray, n_starts)
+        return Shape3D(self._result, spread, self._residual(gray))
+
+    def _checked(self, gray: U8, points_mm: FloatArray) -> FloatArray:
+        if gray.shape != self._frame_shape:
+            raise ValueError(f"picture of shape {gray.shape}, expected {self._frame_shape}")
+        points = np.ascontiguousarray(points_mm, dtype=np.float64)
+        if not np.isfinite(points).all():
+            raise ValueError("the previous shape has a number that is not finite")
+        return points
+
+    def _pass(self, gray: U8, previous: FloatArray) -> float:
+        """Put the shape found from the previous one into `_result`; return the spread."""
+        shapes = self._regressor.shapes_mm
+        center_shape(previous, self._center, self._centred)
+        squared_distances(self._centred, shapes, self._distances)
+        nearest = shapes[self._distances.argmin()]
+        align_rotation(self._centred, nearest, self._scratch, self._rotation)
+        turn_shape(self._centred, self._rotation, self._turned)
+        squared_distances(self._turned, shapes, self._distances)
+        choose_starts(self._distances, self._steps, self._chosen, self._values)
+        place_starts(shapes, self._regressor.translations_mm, self._chosen, self._reader.shapes)
+        return self._regress(gray, self._settings.n_runs)
+
+    def _regress(self, gray: U8, n_runs: int) -> float:
+        """Move the starts through all stages and combine them; return their spread in mm."""
+        reader = self._reader
+        reader.place(self._rotation, self._center)
+        for stage in self._stages:
+            intensities = reader.read(gray, self._projection, stage.points, self._softening)
+            self._moves[:] = 0
+            add_ferns(
+                intensities, stage.pairs, stage.thresholds, stage.leaves, self._leaf, self._moves
+            )
+            add_basis(self._moves, stage.basis, reader.shapes)
+        use_median = self._settings.use_median
+        spread = combine_runs(reader.shapes, n_runs, use_median, self._values, self._turned)
+        np.matmul(self._turned, self._rotation, out=self._result)
+        self._result += self._center
+        return float(spread)
+
+    def _residual(self, gray: U8) -> float:
+        """Return how unlike the training pictures the frame looks at the result."""
+        regressor, reader = self._regressor, self._check_reader
+        reader.shapes[:, :, 0] = self._result
+        softening = float(regressor.check_softening)
+        seen = reader.read(gray, self._projection, self._check_points, softening)[:, 0]
+        np.subtract(seen, regressor.check_mean, out=self._difference)
+        np.matmul(regressor.check_basis, self._difference, out=self._inside)
+        squared = self._difference @ self._difference - self._inside @ self._inside
+        distance = np.sqrt(max(float(squared), 0.0) / len(self._difference))
+        return float(distance / regressor.check_level)

@@ -1,0 +1,231 @@
+"""Training samples -> the two-level boosted fern regressor [Cao13, algorithm 1]."""
+
+from collections.abc import Generator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from core.appearance import AppearancePoints
+from core.appearance_check import CHECK_POINTS, AppearanceCheck, learn_check
+from core.kernels.appearance import sample_training
+from core.kernels.training import best_pairs, difference_ranges, grow_fern, inverse_deviations
+from core.point_drawing import PointSettings, draw_points, mean_shape
+from core.records import F32, I32, Progress
+from core.regressor import FernRegressor
+from core.training_set import TrainingSet
+
+#: Sums over samples are taken in so many parts, however many threads there are.
+N_CHUNKS = 16
+
+
+@dataclass(frozen=True, slots=True)
+class TrainSettings:
+    """Size and regularisation of the regressor; the paper's values in brackets.
+
+    Attributes:
+        n_stages: T [10].
+        n_ferns: K, ferns per stage [300].
+        n_tests: F, tests per fern [5].
+        shrinkage: beta, pulls leaves with few samples towards zero [250].
+        n_numbers: C, principal components of a stage's residuals in which its leaves are kept;
+            0 keeps all 3Q numbers of a shape, as in the paper.
+        points: How the appearance points are drawn.
+    """
+
+    n_stages: int = 7
+    n_ferns: int = 300
+    n_tests: int = 5
+    shrinkage: float = 250.0
+    n_numbers: int = 24
+    points: PointSettings = field(default_factory=PointSettings)
+
+
+#: The regressor of the paper, for comparison; its training set has no augmentation of its own.
+PAPER_SETTINGS = TrainSettings(
+    n_stages=10,
+    n_numbers=0,
+    points=PointSettings(n_points=400, barycentric=False, softening=0.0),
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stage:
+    """One trained stage.
+
+    Attributes:
+        points: Where it looks.
+        pairs: (K, F, 2) indices of appearance points.
+        thresholds: (K, F).
+        leaves: (K, 2**F, C) numbers in the basis.
+        basis: (C, Q, 3) mm.
+    """
+
+    points: AppearancePoints
+    pairs: I32
+    thresholds: F32
+    leaves: F32
+    basis: F32
+
+
+def train(
+    training_set: TrainingSet, rng: np.random.Generator, settings: TrainSettings | None = None
+) -> Generator[Progress, None, FernRegressor]:
+    """Learn to move guesses to truths; the same seed gives the same regressor.
+
+    Args:
+        training_set: Pictures, guesses and truths.
+        rng: Source of all random choices.
+        settings: Size of the regressor.
+
+    Yields:
+        Progress, after every stage, with the mean distance that is left.
+
+    Returns:
+        The regressor.
+    """
+    settings = settings or TrainSettings()
+    shape = mean_shape(training_set.shapes_mm)
+    guess = training_set.guess_mm.copy()
+    stages = []
+    for done in range(settings.n_stages):
+        points = draw_points(shape, training_set.triangles, rng, settings.points)
+        intensities = sample(training_set, guess, points, settings.points.softening)
+        stage = _train_stage(points, intensities, training_set.truth_mm - guess, rng, settings)
+        stages.append(stage[0])
+        guess += stage[1]
+        left = np.sqrt(np.mean(np.sum((training_set.truth_mm - guess) ** 2, axis=2)))
+        yield Progress(done + 1, settings.n_stages, "training", {"left_mm": float(left)})
+    check = learn_check(training_set, shape, rng)
+    return _assemble(training_set, stages, check, settings.points.softening)
+
+
+def sample(
+    training_set: TrainingSet, shapes_mm: F32, points: AppearancePoints, softening: float
+) -> F32:
+    """Return the appearance (S, P) of every sample at shapes (S, Q, 3)."""
+    augmentation = training_set.augmentation
+    camera = training_set.camera
+    out = np.empty((len(shapes_mm), len(points.corners)), np.float32)
+    sample_training(
+        training_set.images,
+        training_set.image,
+        training_set.shift_mm,
+        shapes_mm,
+        points.corners,
+        points.weights,
+        points.offsets,
+        points.members,
+        points.cell,
+        softening,
+        np.array([camera.focal_px, *camera.center_px], np.float32),
+        augmentation.normals,
+        augmentation.faces,
+        augmentation.exposure,
+        augmentation.lamp,
+        augmentation.occluder,
+        out,
+    )
+    return out
+
+
+def _train_stage(
+    points: AppearancePoints,
+    intensities: F32,
+    missing_mm: F32,
+    rng: np.random.Generator,
+    settings: TrainSettings,
+) -> tuple[Stage, F32]:
+    """Return a stage and the increments (S, Q, 3) that it makes on its training samples."""
+    columns = np.ascontiguousarray(intensities.T)
+    centred = columns - columns.mean(axis=1, keepdims=True)
+    basis = _principal_basis(missing_mm, settings.n_numbers)
+    start = np.einsum("sqk,cqk->sc", missing_mm, basis, optimize=True).astype(np.float32)
+    residuals = np.ascontiguousarray(start)
+    search = _PairSearch(centred)
+    n_leaves = 2**settings.n_tests
+    pairs = np.zeros((settings.n_ferns, settings.n_tests, 2), np.int32)
+    thresholds = np.zeros((settings.n_ferns, settings.n_tests), np.float32)
+    leaves = np.zeros((settings.n_ferns, n_leaves, len(basis)), np.float32)
+    sums = np.empty((N_CHUNKS, n_leaves, len(basis)), np.float32)
+    counts = np.empty((N_CHUNKS, n_leaves), np.int32)
+    leaf = np.empty(len(residuals), np.int32)
+    ranges = np.empty((settings.n_tests, 2), np.float32)
+    for k in range(settings.n_ferns):
+        directions = rng.normal(size=(len(basis), settings.n_tests)).astype(np.float32)
+        search.find(residuals @ directions, pairs[k])
+        difference_ranges(columns, pairs[k], ranges)
+        thresholds[k] = ranges[:, 0] + rng.random(settings.n_tests) * np.ptp(ranges, axis=1)
+        grow_fern(
+            columns,
+            pairs[k],
+            thresholds[k],
+            settings.shrinkage,
+            residuals,
+            sums,
+            counts,
+            leaf,
+            leaves[k],
+        )
+    made = np.einsum("sc,cqk->sqk", start - residuals, basis, optimize=True)
+    return Stage(points, pairs, thresholds, leaves, basis), made.astype(np.float32)
+
+
+class _PairSearch:
+    """Finds the differences of intensities that correlate most with targets.
+
+    In covariance form: the variances of all P * P differences follow from the P * P covariances
+    of the intensities, once per stage; each target then costs one product with the intensities.
+    """
+
+    def __init__(self, centred: F32) -> None:
+        """Take the intensities (P, S), each row with mean zero."""
+        n_points, self._n_samples = centred.shape
+        self._centred = centred
+        self._inverse = np.empty((n_points, n_points), np.float32)
+        inverse_deviations(centred @ centred.T / np.float32(self._n_samples), self._inverse)
+
+    def find(self, targets: F32, pairs: I32) -> None:
+        """Write the best pair (F, 2) of each target (S, F)."""
+        covariances = np.ascontiguousarray((self._centred @ targets).T)
+        best_pairs(covariances, self._inverse, np.empty_like(covariances), pairs)
+
+
+def _principal_basis(missing_mm: F32, n_numbers: int) -> F32:
+    """Return the orthonormal basis (C, Q, 3) that holds most of the residuals (S, Q, 3)."""
+    n_samples, n_points, _ = missing_mm.shape
+    flat = missing_mm.reshape(n_samples, -1)
+    if n_numbers == 0 or n_numbers >= flat.shape[1]:
+        return np.eye(flat.shape[1], dtype=np.float32).reshape(-1, n_points, 3)
+    # Not centred: a common shift is part of what has to be moved.
+    _, vectors = np.linalg.eigh((flat.T @ flat).astype(np.float64))
+    best = vectors[:, ::-1][:, :n_numbers].T
+    return np.ascontiguousarray(best.reshape(n_numbers, n_points, 3), dtype=np.float32)
+
+
+def _assemble(
+    training_set: TrainingSet, stages: list[Stage], check: AppearanceCheck, softening: float
+) -> FernRegressor:
+    shapes = training_set.shapes_mm
+    points = [stage.points for stage in stages]
+    return FernRegressor(
+        corners=np.stack([p.corners for p in points]),
+        weights=np.stack([p.weights for p in points]),
+        offsets_mm=np.stack([p.offsets for p in points]),
+        members=np.stack([p.members for p in points]),
+        cell=np.stack([p.cell for p in points]),
+        softening=np.array(softening),
+        pairs=np.stack([stage.pairs for stage in stages]),
+        thresholds=np.stack([stage.thresholds for stage in stages]),
+        leaves=np.stack([stage.leaves for stage in stages]),
+        basis_mm=np.stack([stage.basis for stage in stages]),
+        shapes_mm=shapes - shapes.mean(axis=1, keepdims=True),
+        translations_mm=training_set.translations_mm,
+        check_corners=check.points.corners,
+        check_weights=check.points.weights,
+        check_members=check.points.members,
+        check_cell=check.points.cell,
+        check_mean=check.mean,
+        check_basis=check.basis,
+        check_level=np.array(check.level),
+        check_softening=np.array(CHECK_POINTS.softening),
+    )

@@ -1,0 +1,179 @@
+"""Pictures and their 3D shapes -> guess and truth pairs that the regressor learns from."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from core.augmentation import Augmentation, AugmentationSettings, draw_augmentation
+from core.geometry import matrix_from_quaternion
+from core.landmarks import SHAPE_TRIANGLES
+from core.records import F32, I32, U8, Camera, FloatArray, freeze
+
+
+@dataclass(frozen=True, slots=True)
+class TrainingSetSettings:
+    """How a setup is multiplied into training samples [Cao13, training set construction].
+
+    Attributes:
+        n_translations: m, shapes made from each picture, itself included: 1 to 9.
+        n_similar: G, pictures whose shapes serve as guesses for a picture.
+        n_guesses: H, guesses taken from each of them.
+        reach_mm: Translation along x and y, and along z.
+        turn_rad: Standard deviation of the rotation of a guess about each axis. Not in the
+            paper; widens the range of head rotations from which the regressor recovers.
+        augmentation: How strongly the grey levels are disturbed.
+    """
+
+    n_translations: int = 9
+    n_similar: int = 5
+    n_guesses: int = 4
+    reach_mm: tuple[float, float] = (10.0, 25.0)
+    turn_rad: float = 0.07
+    augmentation: AugmentationSettings = field(default_factory=AugmentationSettings)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TrainingSet:
+    """N pictures and S training samples; a sample names its picture, pictures are not copied.
+
+    Attributes:
+        camera: The camera of the pictures.
+        images: (N, H, W) uint8.
+        shapes_mm: (N, Q, 3) the original shape of every picture, camera frame.
+        translations_mm: (m, 3) of the augmented shapes, the first zero.
+        triangles: (M, 3) triangulation of the shape points.
+        image: (S,) picture of each sample.
+        shift_mm: (S, 3) the matrix M^a of each sample, a translation: moves the sample's shapes
+            to where its picture shows them.
+        truth_mm: (S, Q, 3).
+        guess_mm: (S, Q, 3).
+        augmentation: How the grey levels of each sample are disturbed.
+    """
+
+    camera: Camera
+    images: U8
+    shapes_mm: FloatArray
+    translations_mm: FloatArray
+    triangles: I32
+    image: I32
+    shift_mm: F32
+    truth_mm: F32
+    guess_mm: F32
+    augmentation: Augmentation
+
+    def __post_init__(self) -> None:
+        freeze(
+            self,
+            images=(np.uint8, ("N", "H", "W")),
+            shapes_mm=(np.float64, ("N", "Q", 3)),
+            translations_mm=(np.float64, ("m", 3)),
+            triangles=(np.int32, ("M", 3)),
+            image=(np.int32, ("S",)),
+            shift_mm=(np.float32, ("S", 3)),
+            truth_mm=(np.float32, ("S", "Q", 3)),
+            guess_mm=(np.float32, ("S", "Q", 3)),
+        )
+
+
+def make_training_set(
+    images_gray: Sequence[U8],
+    camera: Camera,
+    points_mm: FloatArray,
+    rng: np.random.Generator,
+    settings: TrainingSetSettings | None = None,
+    triangles: I32 = SHAPE_TRIANGLES,
+) -> TrainingSet:
+    """Return the training set of N pictures: N * m * G * H samples.
+
+    We differ from the paper in one point: it takes a guess from where another picture shows the
+    face, so that a user who moved his chair between two pictures gets guesses beside his head.
+    We first move each guess to the centroid of the truth, as its measure of similarity does.
+
+    Args:
+        images_gray: N pictures (H, W), all of the camera's size.
+        camera: Their camera.
+        points_mm: (N, Q, 3) shapes in the camera frame.
+        rng: Source of guesses and disturbances.
+        settings: How many, how far.
+        triangles: (M, 3) triangulation of the shape points.
+
+    Raises:
+        ValueError: Pictures and shapes do not match.
+    """
+    settings = settings or TrainingSetSettings()
+    if len(images_gray) != len(points_mm) or len(points_mm) == 0:
+        raise ValueError(f"{len(images_gray)} pictures but {len(points_mm)} shapes")
+    width, height = camera.size_px
+    if any(image.shape != (height, width) for image in images_gray):
+        raise ValueError(f"pictures must be {width}x{height}, the size of their camera")
+    moves = translations(settings)
+    image, move, guess = _draw_guesses(points_mm, moves, rng, settings)
+    augmentation = draw_augmentation(
+        camera, points_mm, triangles, len(image), rng, settings.augmentation
+    )
+    return TrainingSet(
+        camera=camera,
+        images=np.stack(list(images_gray)),
+        shapes_mm=points_mm,
+        translations_mm=moves,
+        triangles=triangles,
+        image=image,
+        shift_mm=-moves[move].astype(np.float32),
+        truth_mm=(points_mm[image] + moves[move][:, None]).astype(np.float32),
+        guess_mm=guess,
+        augmentation=augmentation,
+    )
+
+
+def translations(settings: TrainingSetSettings) -> FloatArray:
+    """Return the m translations (m, 3) in mm: none, both ways along each axis, two diagonals."""
+    across, along = settings.reach_mm
+    signs = [(0, 0, 0), (1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+    signs += [(1, 1, 1), (-1, -1, -1)]
+    return np.array(signs[: settings.n_translations], float) * (across, across, along)
+
+
+def similar_shapes(points_mm: FloatArray, n_similar: int) -> I32:
+    """Return the most similar shapes of every shape, itself first, (N, min(N, G)).
+
+    Similarity is the sum of squared distances after the centroids are aligned.
+    """
+    centred = points_mm - points_mm.mean(axis=1, keepdims=True)
+    squared = np.array([((centred - shape) ** 2).sum(axis=(1, 2)) for shape in centred])
+    nearest = np.argsort(squared, axis=1, kind="stable")[:, :n_similar]
+    return np.asarray(nearest, dtype=np.int32)
+
+
+def _draw_guesses(
+    points_mm: FloatArray,
+    moves: FloatArray,
+    rng: np.random.Generator,
+    settings: TrainingSetSettings,
+) -> tuple[I32, I32, F32]:
+    """Return picture (S,), translation (S,) and guess (S, Q, 3) of every sample."""
+    center = points_mm.mean(axis=1)
+    similar = similar_shapes(points_mm, settings.n_similar)
+    image, move, source = (
+        grid.ravel()
+        for grid in np.meshgrid(
+            np.arange(len(points_mm)),
+            np.arange(len(moves)),
+            np.arange(similar.shape[1]),
+            indexing="ij",
+        )
+    )
+    n_guesses = min(settings.n_guesses, len(moves))
+    chosen = rng.permuted(np.tile(np.arange(len(moves)), (len(image), 1)), axis=1)[:, :n_guesses]
+    image, move, source = (np.repeat(a, n_guesses) for a in (image, move, source))
+    like = similar[image, source]
+    turned = _turn(points_mm[like] - center[like][:, None], settings.turn_rad, rng)
+    guess = turned + (center[image] + moves[chosen.ravel()])[:, None]
+    return image.astype(np.int32), move.astype(np.int32), guess.astype(np.float32)
+
+
+def _turn(centred_mm: FloatArray, turn_rad: float, rng: np.random.Generator) -> FloatArray:
+    """Return shapes (S, Q, 3) turned about their centroids by small random rotations."""
+    half_angles = rng.normal(0, turn_rad / 2, (len(centred_mm), 3))
+    rotations = matrix_from_quaternion(np.insert(half_angles, 0, 1.0, axis=1))
+    return np.asarray(centred_mm @ rotations.swapaxes(1, 2))
