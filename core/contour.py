@@ -13,6 +13,8 @@ from core.records import I32, FloatArray
 #: Where the fixed vertices are looked up: a frontal face at the usual distance.
 USUAL_DISTANCE_MM = 600.0
 _LIPS = slice(40, 60)
+#: A strip seen exactly from the side counts as near, whatever the rounding.
+_EDGE_ON = 1e-6
 
 
 def outward_directions(neutral_mm: FloatArray, strips: I32) -> FloatArray:
@@ -73,6 +75,6 @@ def contour_points(
     turned = np.einsum("nij,sj->nsi", rotations, outward)
     middle = posed_mm[:, :N_INTERNAL].mean(axis=1)
     sight = middle / np.linalg.norm(middle, axis=1, keepdims=True)
-    near = np.einsum("nsi,ni->ns", turned, sight) < 0
+    near = np.einsum("nsi,ni->ns", turned, sight) < _EDGE_ON
     silhouette = furthest_points(posed_mm, turned[..., :2], strips)
     return np.where(near, fixed_points(neutral_mm, strips), silhouette).astype(np.int32)

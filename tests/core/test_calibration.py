@@ -1,0 +1,101 @@
+"""Facts about the search for the focal length."""
+
+import cv2
+import numpy as np
+import pytest
+
+from core.calibration import ChessboardError, chessboard_camera
+from core.camera import camera_for, project
+from core.focal_search import FocalNotBracketedError, parabola_minimum, search_focal
+from core.geometry import matrix_from_head_angles
+from tests.core.synthetic_fit import result_of
+
+
+@pytest.mark.parametrize("truth_px", [350.0, 610.0, 1500.0])
+def test_finds_the_least_error(truth_px):
+    found = result_of(search_focal(lambda f: np.log(f / truth_px) ** 2, 300, 3000))
+    assert found == pytest.approx(truth_px, rel=1e-3)
+
+
+def test_one_evaluation_a_step():
+    asked = []
+
+    def error(focal_px):
+        asked.append(focal_px)
+        return (focal_px - 700) ** 2
+
+    progress = list(search_focal(error, 300, 3000, steps=8))
+    assert len(asked) == len(set(asked)) == len(progress) == 10
+    assert [one.done for one in progress] == list(range(1, 11))
+    assert progress[-1].total == 10
+    assert progress[3].plot["focal_px"] == pytest.approx(asked[3])
+
+
+def test_says_which_end_is_too_tight():
+    with pytest.raises(FocalNotBracketedError, match="widen the interval") as caught:
+        result_of(search_focal(lambda f: f, 300.0, 3000.0))
+    assert caught.value.best_px == pytest.approx(300.0, rel=1e-3)
+    with pytest.raises(FocalNotBracketedError, match=r"\[300, 3000\]"):
+        result_of(search_focal(lambda f: -f, 300.0, 3000.0))
+
+
+def test_parabola_gives_place_and_spread():
+    places = np.linspace(-0.2, 0.2, 9)
+    place, spread = parabola_minimum(places, ((places - 0.01) / 0.05) ** 2 + 7, 0.0)
+    assert place == pytest.approx(0.01) and spread == pytest.approx(0.05)
+
+
+def test_errors_that_do_not_curve_up_leave_the_best_as_it_is():
+    places = np.linspace(-0.2, 0.2, 9)
+    assert parabola_minimum(places, -(places**2), 0.1) == (0.1, 0.25)
+
+
+def board_picture(camera, rotation, translation, squares=(8, 6), size_mm=25.0):
+    """A picture of a chessboard, each pixel the average of 3 x 3 rays."""
+    width, height = camera.size_px
+    fine = 3
+    v, u = np.mgrid[: height * fine, : width * fine]
+    pixels = np.stack([(u + 0.5) / fine - 0.5, (v + 0.5) / fine - 0.5], axis=-1)
+    rays = np.concatenate(
+        [(pixels - camera.center_px) / camera.focal_px, np.ones((*u.shape, 1))], axis=-1
+    )
+    depth = (translation @ rotation[:, 2]) / (rays @ rotation[:, 2])
+    place = (rays * depth[..., None] - translation) @ rotation[:, :2] / size_mm
+    cells = np.floor(place).astype(int)
+    on_board = np.all((cells >= 0) & (cells < squares), axis=-1)
+    dark = on_board & (cells.sum(axis=-1) % 2 == 0)
+    picture = np.where(dark, 20.0, 230.0).reshape(height, fine, width, fine).mean(axis=(1, 3))
+    return picture.astype(np.uint8)
+
+
+@pytest.mark.parametrize("focal_px", [300.0, 420.0])
+def test_chessboard_pictures_give_the_focal_length(focal_px):
+    camera = camera_for((320, 240), focal_px)
+    poses = [(0.5, 0.0, 0.1), (-0.5, 0.2, 0.0), (0.1, 0.5, -0.1), (0.0, -0.5, 0.2)]
+    pictures = []
+    for angles in poses:
+        rotation = matrix_from_head_angles(*angles)
+        middle = np.array([100.0, 75.0, 0.0])
+        pictures.append(board_picture(camera, rotation, [0, 0, focal_px] - rotation @ middle))
+    found = chessboard_camera(pictures, (7, 5))
+    assert found.focal_px == pytest.approx(focal_px, rel=0.01)
+    np.testing.assert_allclose(found.center_px, camera.center_px)
+    colour = [cv2.cvtColor(one, cv2.COLOR_GRAY2RGB) for one in pictures]
+    assert chessboard_camera(colour, (7, 5)).focal_px == pytest.approx(found.focal_px)
+
+
+def test_says_how_many_boards_were_seen():
+    blank = np.full((240, 320), 128, np.uint8)
+    with pytest.raises(ChessboardError, match="7 x 5 inner corners in 0 pictures") as caught:
+        chessboard_camera([blank, blank], (7, 5))
+    assert caught.value.found == 0
+
+
+def test_the_board_picture_of_these_tests_is_where_it_should_be():
+    camera = camera_for((320, 240), 300.0)
+    rotation, translation = np.eye(3), np.array([-100.0, -75.0, 300.0])
+    corner = project(camera, translation + np.array([25.0, 25.0, 0.0]))
+    picture = board_picture(camera, rotation, translation)
+    x, y = np.round(corner).astype(int)
+    # First square is dark, its right neighbour light.
+    assert picture[y - 5, x - 5] == 20 and picture[y - 5, x + 5] == 230
