@@ -53,7 +53,9 @@ def test_the_far_cheek_slides_forward_and_the_near_jaw_stays(yaw):
 
 
 def test_left_and_right_are_mirror_images():
-    np.testing.assert_array_equal(picks(yaw=0.5), picks(yaw=-0.5)[::-1])
+    left, right = picks(yaw=0.5), picks(yaw=-0.5)[::-1]
+    np.testing.assert_array_equal(left[RIGHT], right[RIGHT])
+    np.testing.assert_array_equal(left[LEFT], right[LEFT])
 
 
 def test_a_chin_that_is_lifted_stays_and_one_that_is_lowered_slides_forward():
