@@ -1,6 +1,6 @@
 """A track as arrays: the .npz that `facepuppet track --out` writes. Its layout stays stable."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +16,12 @@ from core.records import Camera, FaceState, Frame
 class TrackFile:
     """Collects the states of a track and writes them as .npz at the end."""
 
-    def __init__(self, path: Path, camera: Camera) -> None:
+    def __init__(self, path: Path, camera: Callable[[], Camera]) -> None:
         """Claim the file.
+
+        Args:
+            path: Ends in .npz.
+            camera: Tells at the end of the track which camera made its frames.
 
         Raises:
             OutputError: Nothing can be written there.
@@ -38,7 +42,7 @@ class TrackFile:
         try:
             with self._part.path.open("wb") as file:
                 np.savez_compressed(
-                    file, allow_pickle=False, **track_arrays(self._states, self._camera)
+                    file, allow_pickle=False, **track_arrays(self._states, self._camera())
                 )
         except OSError as error:
             self._part.discard()

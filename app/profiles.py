@@ -1,0 +1,110 @@
+"""Profiles by name: where they live, and their pictures as image files."""
+
+import os
+import re
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from app.errors import AppError
+from core.generations import HEADER_NAME, ProfileDamagedError
+from core.records import U8, SetupImages
+from core.store import Profile, load_pictures
+
+#: From so many pictures on they are kept as JPEG: PNG would take 50 MB and more.
+MANY_PICTURES = 120
+JPEG_QUALITY = 95
+
+
+class ProfileNameError(AppError):
+    """A text can be neither a profile's name nor its path."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        super().__init__(
+            f"{text!r} is no name for a profile, expected letters, digits, spaces, '-', '_' or '.' "
+            "(or a path, which contains a '/')"
+        )
+
+
+def data_folder() -> Path:
+    """Return the folder of this user's data; the variable FACEPUPPET_HOME overrides it."""
+    chosen = os.environ.get("FACEPUPPET_HOME")
+    if chosen:
+        return Path(chosen).expanduser()
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
+    elif sys.platform == "darwin":
+        base = Path.home() / "Library" / "Application Support"
+    else:
+        base = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share")
+    return base / "facepuppet"
+
+
+def profile_folder(text: str) -> Path:
+    """Return the folder that a name or a path (with a separator) means.
+
+    Raises:
+        ProfileNameError: It is neither.
+    """
+    if "/" in text or os.sep in text:
+        return Path(text).expanduser()
+    if re.fullmatch(r"[\w-][\w .-]*", text) is None or text.endswith((" ", ".")):
+        raise ProfileNameError(text)
+    return data_folder() / "profiles" / text
+
+
+def profile_names() -> list[str]:
+    """Return the names of the profiles in the user's data folder, in alphabetical order."""
+    headers = (data_folder() / "profiles").glob(f"*/{HEADER_NAME}")
+    return sorted((path.parent.name for path in headers), key=str.casefold)
+
+
+def encoded_pictures(images: SetupImages) -> dict[str, bytes]:
+    """Return setup pictures as image files: file name -> content."""
+    many = len(images.images) >= MANY_PICTURES
+    suffix, options = (".jpg", [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]) if many else (".png", [])
+    files = {}
+    for name, rgb in zip(images.names, images.images, strict=True):
+        done, encoded = cv2.imencode(suffix, cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR), options)
+        if not done:
+            raise ValueError(f"OpenCV cannot encode {name} as {suffix}")
+        files[name + suffix] = encoded.tobytes()
+    return files
+
+
+def decoded_pictures(profile: Profile, files: Mapping[str, bytes], folder: Path) -> SetupImages:
+    """Return the setup pictures of a profile from its image files.
+
+    Args:
+        profile: Whose pictures they are.
+        files: File name -> content.
+        folder: For messages.
+
+    Raises:
+        ProfileDamagedError: A picture is missing or cannot be decoded.
+    """
+    contents = {Path(name).stem: content for name, content in files.items()}
+    images = tuple(_decoded(contents.get(name), folder / name) for name in profile.names)
+    return SetupImages(images, profile.names, profile.standard)
+
+
+def load_setup_images(folder: Path, profile: Profile) -> SetupImages:
+    """Return the pictures that a profile was made from.
+
+    Raises:
+        ProfileDamagedError: They are not all there.
+    """
+    return decoded_pictures(profile, load_pictures(folder), folder)
+
+
+def _decoded(content: bytes | None, path: Path) -> U8:
+    if content is None:
+        raise ProfileDamagedError(path, "not there", "a setup picture")
+    picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
+    if picture is None:
+        raise ProfileDamagedError(path, "not decodable", "a setup picture")
+    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB), np.uint8)
