@@ -1,9 +1,10 @@
 """The animation prior: a Gaussian mixture over a frame's and the previous frames' coefficients.
 
-[Cao13, face tracking, eq. 12] has one mixture over all coefficients. We have one per region of
-the face (eyes, brows, the rest) and multiply them: each mixture holds components for a face at
-rest and for moving ones, and a blink must not make the mouth's coefficients count as moving. It
-also needs far fewer components than the product of what the regions can do.
+[Cao13, face tracking, eq. 12] has one mixture over all coefficients. We have one for each small
+group of coefficients that explain the same points, and multiply them. Faces move a few muscles at
+a time: in one joint mixture a component that lets one coefficient move lets all of them loose
+(a blink would make the mouth tremble), and a movement that no component foresaw is held back by
+the sum of what all the resting coefficients pay. In a small group both are small.
 """
 
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from core.arkit import EXPRESSION_NAMES
 from core.errors import CoreError
 from core.kernels.tracking import PriorTables
 from core.records import F32, I32, FloatArray, freeze
@@ -20,7 +22,18 @@ if TYPE_CHECKING:
 
 #: Previous frames in the mixture, n of [Cao13, eq. 12].
 N_LAGS = 3
-REGIONS: tuple[str, ...] = ("eyes", "brows", "lower")
+#: The groups; a name without its side stands for both sides.
+REGIONS: dict[str, tuple[str, ...]] = {
+    "lids": ("eyeBlink", "eyeWide"),
+    "squint": ("eyeSquint", "cheekSquint"),
+    "brows": ("browDown", "browInnerUp", "browOuterUp"),
+    "cheeks": ("cheekPuff", "cheekSuck"),
+    "sideways": ("jawForward", "jawLeft", "jawRight", "mouthLeft", "mouthRight"),
+    "opening": ("jawOpen", "mouthClose", "mouthFunnel", "mouthPucker"),
+    "corners": ("mouthSmile", "mouthFrown", "mouthDimple", "mouthStretch"),
+    "upper lip": ("mouthUpperUp", "mouthRollUpper", "mouthShrugUpper", "noseSneer"),
+    "lower lip": ("mouthLowerDown", "mouthRollLower", "mouthShrugLower", "mouthPress"),
+}  # fmt: skip
 
 
 class PriorFileError(CoreError):
@@ -73,6 +86,14 @@ class AnimationPrior:
     regions: tuple[RegionMixture, ...]
 
 
+def members(region: str) -> I32:
+    """Return the indices (N,) of a region's coefficients."""
+    names = []
+    for name in REGIONS[region]:
+        names += [name] if name in EXPRESSION_NAMES else [name + "Left", name + "Right"]
+    return np.array([EXPRESSION_NAMES.index(name) for name in names], np.int32)
+
+
 def pack_symmetric(matrices: FloatArray) -> F32:
     """Return the lower triangles (S, K (K + 1) / 2) of symmetric matrices (S, K, K)."""
     rows, columns = np.tril_indices(matrices.shape[-1])
@@ -93,7 +114,6 @@ def save_animation_prior(path: "Path", prior: AnimationPrior) -> None:
     """Write a prior to an .npz file."""
     arrays: dict[str, FloatArray | F32 | I32] = {"frame_s": np.array(prior.frame_s)}
     for name, region in zip(REGIONS, prior.regions, strict=True):
-        arrays[f"{name}_members"] = region.members
         arrays[f"{name}_weights"] = region.weights
         arrays[f"{name}_means"] = region.means.astype(np.float32)
         arrays[f"{name}_covariances"] = pack_symmetric(np.asarray(region.covariances, float))
@@ -110,7 +130,7 @@ def load_animation_prior(path: "Path") -> AnimationPrior:
         try:
             regions = tuple(
                 RegionMixture(
-                    stored[f"{name}_members"],
+                    members(name),
                     stored[f"{name}_weights"],
                     stored[f"{name}_means"],
                     unpack_symmetric(stored[f"{name}_covariances"]),

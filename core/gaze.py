@@ -31,8 +31,8 @@ class GazeSettings:
     closed_blink: float = 0.6
     own_share: float = 0.3
     limit_rad: float = 0.7
-    cutoff_hz: float = 2.0
-    cutoff_per_speed: float = 8.0
+    cutoff_hz: float = 1.0
+    cutoff_per_speed: float = 5.0
     longest_step_s: float = 0.25
 
 
@@ -88,7 +88,9 @@ class GazeFilter:
         self._time_s = time_s
         if openness.max() <= 0:
             return self._gaze_rad.copy()
-        wanted = np.clip(self._joined(directions_rad, openness), -settings.limit_rad, settings.limit_rad)
+        wanted = np.clip(
+            self._joined(directions_rad, openness), -settings.limit_rad, settings.limit_rad
+        )
         if not 0 < gap_s <= settings.longest_step_s:
             self._gaze_rad, self._speed = wanted, np.zeros((2, 2))
         else:

@@ -27,7 +27,7 @@ class LowPassSettings:
 
     cutoff_hz: float
     cutoff_per_speed: float
-    speed_cutoff_hz: float = 3.0
+    speed_cutoff_hz: float = 1.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,9 +41,9 @@ class PoseFilterSettings:
         longest_step_s: After a longer gap the filter starts anew.
     """
 
-    rotation: LowPassSettings = LowPassSettings(1.5, 60.0)
-    across: LowPassSettings = LowPassSettings(1.5, 0.25)
-    along: LowPassSettings = LowPassSettings(1.0, 0.08)
+    rotation: LowPassSettings = LowPassSettings(0.7, 40.0)
+    across: LowPassSettings = LowPassSettings(0.7, 0.35)
+    along: LowPassSettings = LowPassSettings(0.5, 0.08)
     longest_step_s: float = 0.25
 
 

@@ -8,8 +8,10 @@ Gaussian-mixture prior over this and the previous frames. Where we differ, and w
 * The coefficients are solved with small rigid motions projected out of the deltas. A jaw that
   opens pulls the registration with it; in turn-taking both creep towards the answer, this way two
   iterations reach it. The data term's Hessian stays constant.
-* -log of the mixture is replaced by its quadratic upper bound at the current coefficients, so
-  that the box-constrained problem is solved exactly by coordinate descent instead of BFGS.
+* The mixture's components enter as one quadratic, weighted by how well each explains the data
+  with the coefficients integrated out, so that the box-constrained problem is solved exactly by
+  coordinate descent instead of BFGS. Weighted by the previous coefficients, a face at rest would
+  stay in the component of rest.
 * A sparsity term of the size of the noise in each coefficient's own direction: noise alone does
   not excite a shape that the points hardly see.
 * mouthClose is at most jawOpen.
@@ -26,6 +28,7 @@ from core.arkit import EXPRESSION_NAMES
 from core.gaze import GazeFilter, GazeSettings, pupil_directions
 from core.geometry import quaternion_from_matrix
 from core.kernels.tracking import FaceTables, PriorTables, Workspace, track
+from core.landmarks import GROUPS
 from core.pose_filter import PoseFilter, PoseFilterSettings
 from core.records import FloatArray, freeze
 
@@ -67,13 +70,12 @@ class TrackerSettings:
         noise_mm: Standard deviation of a point's coordinate about the blendshape model.
         prior_weight: Of -log p, w_prior of [Cao13, eq. 14].
         sparsity: Threshold of a coefficient in units of its own noise.
-        brow_weight: Weights of the groups of points before their mean is made 1.
-        lid_weight: See above.
-        nose_weight: See above.
-        lip_weight: See above.
-        replacement_weight: Of the 15 points on cheeks and jaw [Cao13, 3].
-        outer_iterations: Registrations and solves in turn.
-        inner_iterations: Solves per registration, each with new responsibilities.
+        brow_weight: Weight of the brows' points; only ratios count.
+        lid_weight: Of the lids' points.
+        nose_weight: Of the nose's points.
+        lip_weight: Of the lips' points.
+        replacement_weight: Of the 15 points on cheeks, forehead and jaw [Cao13, 3].
+        iterations: Registrations and solves in turn.
         pose_filter: How the pose is filtered.
         gaze: How gaze is measured and filtered.
     """
@@ -86,8 +88,7 @@ class TrackerSettings:
     nose_weight: float = 1.0
     lip_weight: float = 2.0
     replacement_weight: float = 0.6
-    outer_iterations: int = 2
-    inner_iterations: int = 2
+    iterations: int = 2
     pose_filter: PoseFilterSettings = field(default_factory=PoseFilterSettings)
     gaze: GazeSettings = field(default_factory=GazeSettings)
 
@@ -119,12 +120,21 @@ class TrackerState:
 def point_weights(settings: TrackerSettings, n_points: int) -> FloatArray:
     """Return the weight of every landmark of the shape, mean 1."""
     weights = np.full(n_points, settings.replacement_weight)
-    weights[:12], weights[12:28] = settings.brow_weight, settings.lid_weight
-    weights[28:40], weights[40:60] = settings.nose_weight, settings.lip_weight
+    by_group = {
+        "brow": settings.brow_weight,
+        "eye": settings.lid_weight,
+        "nose": settings.nose_weight,
+        "lips": settings.lip_weight,
+    }
+    for name, points in GROUPS.items():
+        if name != "contour":
+            weights[list(points)] = by_group[name.split("_")[0]]
     return np.asarray(weights / weights.mean())
 
 
-def without_rigid_motion(neutral: FloatArray, deltas: FloatArray, weights: FloatArray) -> FloatArray:
+def without_rigid_motion(
+    neutral: FloatArray, deltas: FloatArray, weights: FloatArray
+) -> FloatArray:
     """Return the deltas (B, L, 3) less their weighted least-squares rigid parts.
 
     Args:
@@ -173,6 +183,9 @@ def workspace_for(face: FaceTables, prior: PriorTables) -> Workspace:
         means=np.zeros((*components, prior.members.shape[1])),
         shares=np.zeros(components[1]),
         difference=np.zeros(max(prior.maps.shape[2:])),
+        residual=np.zeros(n_coefficients),
+        pulled=np.zeros(prior.members.shape[1]),
+        factor=np.zeros((prior.members.shape[1], prior.members.shape[1])),
     )
 
 
@@ -230,9 +243,6 @@ class Tracker:
         self._face = face_tables(model, self._settings)
         self._priors = [conditional_tables(prior, lag) for lag in range(1, N_LAGS + 2)]
         self._work = workspace_for(self._face, self._priors[0])
-        self._iterations = np.array(
-            [self._settings.outer_iterations, self._settings.inner_iterations], np.int32
-        )
         self._expression, self._pose = np.zeros(len(EXPRESSION_NAMES)), np.zeros((4, 3))
         self._history = History(len(EXPRESSION_NAMES), prior.frame_s)
         self._pose_filter = PoseFilter(self._settings.pose_filter)
@@ -284,7 +294,7 @@ class Tracker:
             points,
             self._history.sample(time_s, self._first_lag),
             amounts,
-            self._iterations,
+            self._settings.iterations,
             self._work,
             self._expression,
             self._pose,

@@ -20,7 +20,14 @@ import numpy as np
 
 from assets.build.animation_mixture import MixtureSettings, fit_mixture
 from assets.build.animation_script import FRAME_S, performance
-from core.animation_prior import N_LAGS, AnimationPrior, RegionMixture, save_animation_prior
+from core.animation_prior import (
+    N_LAGS,
+    REGIONS,
+    AnimationPrior,
+    RegionMixture,
+    members,
+    save_animation_prior,
+)
 from core.arkit import mirror_permutation
 from core.records import FloatArray
 
@@ -29,11 +36,7 @@ MINUTES = 15.0
 #: Standard deviation of the past results' noise, one drawn for each clip.
 NOISE_LEVELS = (0.003, 0.008, 0.02)
 NOISE_CORRELATION = 0.5
-REGIONS = {
-    "eyes": (range(6), MixtureSettings(10)),
-    "brows": (range(6, 12), MixtureSettings(8)),
-    "lower": (range(12, 46), MixtureSettings(14)),
-}
+COMPONENTS = 8
 
 
 def noise(rng: np.random.Generator, shape: tuple[int, int]) -> FloatArray:
@@ -60,16 +63,13 @@ def make_prior() -> AnimationPrior:
     samples = np.concatenate([samples_of(rng, clip) for clip in clips + mirrored])
     print(f"{len(clips)} clips, {samples.shape[0]} samples with their mirror images")
     regions = []
-    for name, (members, settings) in REGIONS.items():
-        values = samples[:, :, list(members)].reshape(samples.shape[0], -1)
-        mixture, level = fit_mixture(rng, values, len(members), settings)
+    for name in REGIONS:
+        chosen = members(name)
+        values = samples[:, :, chosen].reshape(samples.shape[0], -1)
+        mixture, level = fit_mixture(rng, values, chosen.size, MixtureSettings(COMPONENTS))
         weights = np.array2string(mixture.weights, precision=3)
         print(f"{name}: log likelihood {level:.2f} per sample, weights {weights}")
-        regions.append(
-            RegionMixture(
-                np.array(members, np.int32), mixture.weights, mixture.means, mixture.covariances
-            )
-        )
+        regions.append(RegionMixture(chosen, mixture.weights, mixture.means, mixture.covariances))
     return AnimationPrior(FRAME_S, tuple(regions))
 
 

@@ -117,7 +117,11 @@ def feelings(rng: np.random.Generator, end_s: float, strength: float) -> list[Ev
 def brow_flashes(rng: np.random.Generator, end_s: float) -> list[Event]:
     """Return raised and lowered brows as they accent speech."""
     events, start = [], rng.exponential(2.0)
-    poses = (targets(browInnerUp=0.5, browOuterUp=0.5), targets(browDown=0.4), targets(browInnerUp=0.5))
+    poses = (
+        targets(browInnerUp=0.5, browOuterUp=0.5),
+        targets(browDown=0.4),
+        targets(browInnerUp=0.5),
+    )
     while start < end_s:
         pose = rng.uniform(0.4, 1.4) * varied(rng, poses[rng.integers(3)], 0.2)
         rise, fall = rng.uniform(0.1, 0.25), rng.uniform(0.15, 0.4)
@@ -175,7 +179,14 @@ def scene(rng: np.random.Generator, kind: str, seconds: float) -> FloatArray:
 
 
 #: Share of the time that each kind of scene takes.
-KINDS = {"still": 0.15, "talk": 0.25, "lively talk": 0.15, "feelings": 0.25, "winks": 0.05, "combinations": 0.15}
+KINDS = {
+    "still": 0.15,
+    "talk": 0.25,
+    "lively talk": 0.15,
+    "feelings": 0.25,
+    "winks": 0.05,
+    "combinations": 0.15,
+}
 
 
 def performance(rng: np.random.Generator, minutes: float) -> list[FloatArray]:

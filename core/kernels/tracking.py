@@ -12,6 +12,9 @@ import numpy as np
 
 from core.records import F32, I32, FloatArray
 
+#: Sums may be reordered, which lets them be vectorised; infinities keep their meaning.
+REORDER = {"reassoc", "contract", "arcp", "nsz"}
+
 
 class FaceTables(NamedTuple):
     """What is constant for a user; the data term is in units of the expected noise.
@@ -74,9 +77,12 @@ class Workspace(NamedTuple):
     means: FloatArray  # (Z, S, N)
     shares: FloatArray  # (S,)
     difference: FloatArray  # (max(N, H),)
+    residual: FloatArray  # (B,)
+    pulled: FloatArray  # (N,)
+    factor: FloatArray  # (N, N)
 
 
-@numba.njit(cache=True, nogil=True)
+@numba.njit(cache=True, nogil=True, fastmath=REORDER)
 def largest_eigenvector(matrix: FloatArray, vectors: FloatArray, out: FloatArray) -> None:
     """Write the unit eigenvector of the largest eigenvalue; cyclic Jacobi, `matrix` is spoilt."""
     n = matrix.shape[0]
@@ -117,7 +123,7 @@ def largest_eigenvector(matrix: FloatArray, vectors: FloatArray, out: FloatArray
         out[i] = vectors[i, best]
 
 
-@numba.njit(cache=True, nogil=True)
+@numba.njit(cache=True, nogil=True, fastmath=REORDER)
 def register(
     source: FloatArray,  # (L, 3)
     target: FloatArray,  # (L, 3)
@@ -167,15 +173,27 @@ def register(
     # The matrix is spoilt by then, so its first row can take the quaternion.
     largest_eigenvector(m, quartic[1], quartic[0, 0])
     w, x, y, z = quartic[0, 0, 0], quartic[0, 0, 1], quartic[0, 0, 2], quartic[0, 0, 3]
-    pose[0, 0], pose[0, 1], pose[0, 2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
-    pose[1, 0], pose[1, 1], pose[1, 2] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
-    pose[2, 0], pose[2, 1], pose[2, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
+    pose[0, 0], pose[0, 1], pose[0, 2] = (
+        1 - 2 * (y * y + z * z),
+        2 * (x * y - w * z),
+        2 * (x * z + w * y),
+    )
+    pose[1, 0], pose[1, 1], pose[1, 2] = (
+        2 * (x * y + w * z),
+        1 - 2 * (x * x + z * z),
+        2 * (y * z - w * x),
+    )
+    pose[2, 0], pose[2, 1], pose[2, 2] = (
+        2 * (x * z - w * y),
+        2 * (y * z + w * x),
+        1 - 2 * (x * x + y * y),
+    )
     pose[3, 0] = tx - pose[0, 0] * sx - pose[0, 1] * sy - pose[0, 2] * sz
     pose[3, 1] = ty - pose[1, 0] * sx - pose[1, 1] * sy - pose[1, 2] * sz
     pose[3, 2] = tz - pose[2, 0] * sx - pose[2, 1] * sy - pose[2, 2] * sz
 
 
-@numba.njit(cache=True, nogil=True)
+@numba.njit(cache=True, nogil=True, fastmath=REORDER)
 def express(
     neutral: FloatArray,  # (L, 3)
     deltas: FloatArray,  # (B, L, 3)
@@ -194,7 +212,7 @@ def express(
                     out[k, d] += a * deltas[b, k, d]
 
 
-@numba.njit(cache=True, nogil=True)
+@numba.njit(cache=True, nogil=True, fastmath=REORDER)
 def condition(
     prior: PriorTables,
     history: FloatArray,  # (lags, B) the previous frames that the tables are conditioned on
@@ -223,65 +241,105 @@ def condition(
                 means[z, s, i] = mean
 
 
-@numba.njit(cache=True, nogil=True)
-def component_shares(
+@numba.njit(cache=True, nogil=True, fastmath=REORDER)
+def log_evidence(
     prior: PriorTables,
     z: int,
-    coefficients: FloatArray,  # (B,)
-    work: Workspace,
-) -> None:
-    """Write to `work.shares` how much each component of a region is responsible."""
-    n, n_components = prior.counts[z, 0], prior.counts[z, 2]
-    highest = -np.inf
-    for s in range(n_components):
-        distance = 0.0
-        for i in range(n):
-            work.difference[i] = coefficients[prior.members[z, i]] - work.means[z, s, i]
-        for i in range(n):
-            row = 0.0
-            for j in range(n):
-                row += prior.precisions[z, s, i, j] * work.difference[j]
-            distance += row * work.difference[i]
-        work.shares[s] = work.log_weights[z, s] - 0.5 * distance
-        highest = max(highest, work.shares[s])
-    total = 0.0
-    for s in range(n_components):
-        work.shares[s] = np.exp(work.shares[s] - highest)
-        total += work.shares[s]
-    for s in range(n_components):
-        work.shares[s] /= total
-
-
-@numba.njit(cache=True, nogil=True)
-def add_prior(
-    prior: PriorTables,
+    s: int,
     coefficients: FloatArray,  # (B,)
     weight: float,
+    face_gram: FloatArray,  # (B, B)
+    amount: float,
+    work: Workspace,
+) -> float:
+    """Return the log probability of the data under one component, other regions held.
+
+    The region's coefficients x are integrated out of data times component: with A the sum of
+    both Hessians, that is log weight - log|A|/2 - (least sum of both energies).
+    """
+    n = prior.counts[z, 0]
+    factor, free = work.factor, work.difference
+    distance = 0.0
+    for i in range(n):
+        free[i] = work.means[z, s, i] - coefficients[prior.members[z, i]]
+    for i in range(n):
+        pulled = 0.0
+        for j in range(n):
+            entry = weight * prior.precisions[z, s, i, j]
+            pulled += entry * free[j]
+            factor[i, j] = entry + amount * face_gram[prior.members[z, i], prior.members[z, j]]
+        work.pulled[i] = pulled + work.residual[prior.members[z, i]]
+        distance += free[i] * pulled
+    # Eight pivots of at most some 1e8 each stay far from overflow.
+    determinant, gain = 1.0, 0.0
+    for i in range(n):
+        white = work.pulled[i]
+        for j in range(i):
+            entry = factor[i, j]
+            for k in range(j):
+                entry -= factor[i, k] * factor[j, k]
+            # The diagonal holds reciprocals: divisions are slow.
+            factor[i, j] = entry * factor[j, j]
+            white -= factor[i, j] * work.pulled[j]
+        pivot = factor[i, i]
+        for k in range(i):
+            pivot -= factor[i, k] * factor[i, k]
+        determinant *= pivot
+        factor[i, i] = 1.0 / np.sqrt(pivot)
+        work.pulled[i] = white * factor[i, i]
+        gain += work.pulled[i] * work.pulled[i]
+    return weight * work.log_weights[z, s] - 0.5 * (distance - gain + np.log(determinant))
+
+
+@numba.njit(cache=True, nogil=True, fastmath=REORDER)
+def add_prior(
+    face: FaceTables,
+    prior: PriorTables,
+    coefficients: FloatArray,  # (B,)
+    amounts: FloatArray,  # (2,) weight of the data, weight of the prior
     work: Workspace,
 ) -> None:
-    """Add to `work.hessian` and `work.gradient` a quadratic that lies above -log p.
+    """Add the components of every region, as far as responsible, to the quadratic to minimise.
 
-    By Jensen's inequality the responsibilities at `coefficients` give an upper bound of the
-    negative logarithm of the sum that touches it there, so each solve lowers the true energy.
+    Responsibilities at the current coefficients would touch -log p from above, but coefficients
+    that start at rest then never leave the component of rest. With the evidence of the data for
+    each component, the coefficients integrated out, they do as soon as the data say so.
     """
+    n_coefficients = coefficients.shape[0]
+    for i in range(n_coefficients):
+        total = work.gradient[i]
+        for j in range(n_coefficients):
+            total -= work.hessian[i, j] * coefficients[j]
+        # A pull across the bound is no evidence for anything.
+        outward = (coefficients[i] <= 0.0 and total < 0.0) or (
+            coefficients[i] >= 1.0 and total > 0.0
+        )
+        work.residual[i] = 0.0 if outward else total
     for z in range(prior.counts.shape[0]):
         n, n_components = prior.counts[z, 0], prior.counts[z, 2]
-        component_shares(prior, z, coefficients, work)
+        highest = -np.inf
         for s in range(n_components):
-            share = weight * work.shares[s]
-            if share < 1e-5 * weight:
+            work.shares[s] = log_evidence(
+                prior, z, s, coefficients, amounts[1], face.gram, amounts[0], work
+            )
+            highest = max(highest, work.shares[s])
+        total = 0.0
+        for s in range(n_components):
+            work.shares[s] = np.exp(work.shares[s] - highest)
+            total += work.shares[s]
+        for s in range(n_components):
+            share = amounts[1] * work.shares[s] / total
+            if share < 1e-5 * amounts[1]:
                 continue
             for i in range(n):
                 row = prior.members[z, i]
-                pull = 0.0
                 for j in range(n):
                     entry = share * prior.precisions[z, s, i, j]
                     work.hessian[row, prior.members[z, j]] += entry
-                    pull += entry * work.means[z, s, j]
-                work.gradient[row] += pull
+                    work.gradient[row] += entry * work.means[z, s, j]
 
 
-@numba.njit(cache=True, nogil=True)
+@numba.njit(cache=True, nogil=True, fastmath=REORDER)
 def minimise_in_box(
     hessian: FloatArray,  # (B, B)
     gradient: FloatArray,  # (B,) of the minimised form x'Hx/2 - g'x; spoilt
@@ -315,7 +373,7 @@ def minimise_in_box(
             break
 
 
-@numba.njit(cache=True, nogil=True)
+@numba.njit(cache=True, nogil=True, fastmath=REORDER)
 def solve_expression(face: FaceTables, work: Workspace, coefficients: FloatArray) -> None:
     """Minimise the assembled quadratic over the coefficients, mouthClose at most jawOpen.
 
@@ -333,7 +391,7 @@ def solve_expression(face: FaceTables, work: Workspace, coefficients: FloatArray
     coefficients[jaw] += coefficients[close]
 
 
-@numba.njit(cache=True, nogil=True)
+@numba.njit(cache=True, nogil=True, fastmath=REORDER)
 def pull_of_data(
     face: FaceTables,
     points: FloatArray,  # (L, 3) camera frame
@@ -354,14 +412,14 @@ def pull_of_data(
         work.pull[b] = total - face.sparsity[b]
 
 
-@numba.njit(cache=True, nogil=True)
+@numba.njit(cache=True, nogil=True, fastmath=REORDER)
 def track(
     face: FaceTables,
     prior: PriorTables,
     points: FloatArray,  # (L, 3) camera frame
     history: FloatArray,  # (lags, B)
     amounts: FloatArray,  # (2,) weight of the data, weight of the prior
-    iterations: I32,  # (2,) outer, inner
+    iterations: int,
     work: Workspace,
     coefficients: FloatArray,  # (B,) start in, result out
     pose: FloatArray,  # (4, 3) out: rotation matrix, then translation
@@ -372,17 +430,16 @@ def track(
     """
     n = coefficients.shape[0]
     condition(prior, history, work.log_weights, work.means, work.difference)
-    for _ in range(iterations[0]):
+    for _ in range(iterations):
         express(face.neutral, face.deltas, coefficients, work.shape)
         register(work.shape, points, face.weights, work.quartic, pose)
         pull_of_data(face, points, pose, work)
-        for _ in range(iterations[1]):
-            for i in range(n):
-                work.gradient[i] = amounts[0] * work.pull[i]
-                for j in range(n):
-                    work.hessian[i, j] = amounts[0] * face.gram[i, j]
-            add_prior(prior, coefficients, amounts[1], work)
-            solve_expression(face, work, coefficients)
+        for i in range(n):
+            work.gradient[i] = amounts[0] * work.pull[i]
+            for j in range(n):
+                work.hessian[i, j] = amounts[0] * face.gram[i, j]
+        add_prior(face, prior, coefficients, amounts, work)
+        solve_expression(face, work, coefficients)
     express(face.neutral, face.deltas, coefficients, work.shape)
     register(work.shape, points, face.weights, work.quartic, pose)
     total = 0.0
