@@ -90,17 +90,22 @@ def make_take(name: str, seed: int = 0) -> Take:
         raise ValueError(f"no take is called {name!r}; there are {', '.join(sorted(TAKES))}")
     # The name's own numbers keep the takes of one seed from sharing their blinks and sway.
     rng = np.random.default_rng([seed, *name.encode()])
-    return animate(name, TAKES[name](rng), rng)
+    act = TAKES[name](rng)
+    lids = blinks(np.arange(len(act.expression)) / acts.RATE_HZ, rng, 3.0)
+    return animate(name, act, lids, rng)
 
 
-def animate(name: str, act: Act, rng: np.random.Generator, liveliness: float = 1.0) -> Take:
+def animate(
+    name: str, act: Act, lids: FloatArray, rng: np.random.Generator, liveliness: float = 1.0
+) -> Take:
     """Return the act with what no living person leaves out: blinks, gaze, idle sway.
 
     Args:
         name: Of the take.
         act: What is done on purpose.
-        rng: Source of everything added.
-        liveliness: Size of sway and gaze shifts; 0 stands like a statue but blinks.
+        lids: (K,) closure of both lids in blinks.
+        rng: Source of sway and gaze.
+        liveliness: Size of sway and gaze shifts; 0 stands and stares like a statue.
     """
     times = np.arange(len(act.expression)) / acts.RATE_HZ
     sway = np.deg2rad(np.array([1.6, 1.2, 1.0]) * liveliness)
@@ -113,7 +118,6 @@ def animate(name: str, act: Act, rng: np.random.Generator, liveliness: float = 1
     )
     targets = saccades(times, rng, np.deg2rad([9.0, 5.0]) * liveliness)
     gaze = eyes_towards(targets, head)
-    lids = blinks(times, rng, 3.0)
     follow = np.clip(-_LID_PER_RAD * gaze[:, :, 1].mean(axis=1), 0, 0.5)
     closing = blend_lids(lids, follow)
     return Take(name, acts.blend(act.expression, closing), head, shift, gaze)
