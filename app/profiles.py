@@ -76,11 +76,13 @@ def encoded_pictures(images: SetupImages) -> dict[str, bytes]:
     return files
 
 
-def decoded_pictures(profile: Profile, files: Mapping[str, bytes], folder: Path) -> SetupImages:
+def decoded_pictures(
+    profile: Profile | SetupImages, files: Mapping[str, bytes], folder: Path
+) -> SetupImages:
     """Return the setup pictures of a profile from its image files.
 
     Args:
-        profile: Whose pictures they are.
+        profile: Whose pictures they are: gives names and standard coefficients.
         files: File name -> content.
         folder: For messages.
 
