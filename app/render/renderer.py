@@ -1,0 +1,170 @@
+"""Draws scenes into pictures with OpenGL, offscreen."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import cv2
+import moderngl
+import numpy as np
+
+from app.render.context import draws_in_software, finisher, make_context
+from app.render.drawable import Drawable
+from app.render.programs import backdrop_program, surface_program
+from app.render.scene import Lights, Material, Mesh, Uniforms, View
+from app.render.target import Target
+from core.kernels.antialias import smooth_edges
+from core.records import F32, U8, FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Item:
+    """A drawable at its place in one picture.
+
+    Attributes:
+        drawable: From `Renderer.upload`.
+        head_to_camera: (4, 4).
+        body_to_camera: (4, 4) for the vertices that the body holds.
+        values: Uniforms of this picture, on top of the material's.
+    """
+
+    drawable: Drawable
+    head_to_camera: FloatArray
+    body_to_camera: FloatArray
+    values: Uniforms = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """All that one picture shows.
+
+    Attributes:
+        view: The camera.
+        lights: In the camera frame.
+        items: Drawn in this order, those that blend last.
+        backdrop: (H, W, 3) uint8 behind everything, of any size; None for transparency.
+    """
+
+    view: View
+    lights: Lights
+    items: Sequence[Item]
+    backdrop: U8 | None = None
+
+
+class Renderer:
+    """Owns an OpenGL context; to be used and released in the thread that made it."""
+
+    def __init__(self) -> None:
+        self._context = make_context()
+        self._finish = finisher(self._context)
+        self.software = draws_in_software(self._context)
+        self._programs: dict[str, moderngl.Program] = {}
+        self._backdrop_program = backdrop_program(self._context)
+        self._backdrop: tuple[U8, moderngl.Texture, moderngl.VertexArray] | None = None
+        self._targets: dict[tuple[int, int], Target] = {}
+
+    def upload(self, mesh: Mesh, material: Material) -> Drawable:
+        """Return the mesh on the graphics card, ready to be placed in scenes."""
+        if material.shader not in self._programs:
+            program = surface_program(self._context, material.shader)
+            self._programs[material.shader] = program
+        return Drawable(self._context, self._programs[material.shader], mesh, material)
+
+    def draw(self, scene: Scene) -> U8:
+        """Return the picture of a scene, (H, W, 4) uint8; colours are premultiplied by alpha."""
+        width, height = scene.view.camera.size_px
+        factor = scene.view.supersampling
+        target = self._target((width * factor, height * factor))
+        self._paint(scene, target)
+        self._finish()
+        picture = target.read()
+        if factor > 1:
+            return np.asarray(cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA))
+        if not target.samples:
+            smoothed = np.empty_like(picture)
+            smooth_edges(picture, smoothed)
+            return smoothed
+        return picture
+
+    def depth_mm(self, scene: Scene) -> F32:
+        """Return the distance along z of what is seen at each pixel, (H, W) float32 in mm.
+
+        Infinite where nothing is. Of the same scene as `draw`, in a pass of its own.
+        """
+        target = self._target(scene.view.camera.size_px)
+        self._paint(scene, target)
+        self._finish()
+        near, far = scene.view.near_mm, scene.view.far_mm
+        clip = 2 * target.read_depth().astype(np.float64) - 1
+        depth = 2 * near * far / (far + near - clip * (far - near))
+        return np.where(clip >= 1, np.inf, depth).astype(np.float32)
+
+    def release(self) -> None:
+        """Free the context; nothing made by this renderer can be used afterwards."""
+        self._context.release()
+
+    def _target(self, size_px: tuple[int, int]) -> Target:
+        """Return the framebuffer of this size; two sizes are kept, as for a film and a view."""
+        target = self._targets.pop(size_px, None)
+        if target is None:
+            while len(self._targets) >= 2:
+                self._targets.pop(next(iter(self._targets))).release()
+            target = Target(self._context, size_px, 0 if self.software else 4)
+        self._targets[size_px] = target
+        return target
+
+    def _paint(self, scene: Scene, target: Target) -> None:
+        context = self._context
+        target.begin()
+        context.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
+        if scene.backdrop is not None:
+            self._paint_backdrop(scene.backdrop)
+        context.enable(moderngl.DEPTH_TEST)
+        # The projection turns pictures over, and with them every triangle.
+        context.front_face = "cw"
+        for program in {item.drawable.program for item in scene.items}:
+            _set_view(program, scene)
+        for item in sorted(scene.items, key=lambda item: item.drawable.material.blended):
+            self._paint_item(item, target)
+        target.end()
+
+    def _paint_item(self, item: Item, target: Target) -> None:
+        material = item.drawable.material
+        context = self._context
+        (context.disable if material.two_sided else context.enable)(moderngl.CULL_FACE)
+        (context.enable if material.blended else context.disable)(moderngl.BLEND)
+        context.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        target.write_depth(not material.blended)
+        program = item.drawable.program
+        set_uniform(program, "head_to_camera", item.head_to_camera.T)
+        set_uniform(program, "body_to_camera", item.body_to_camera.T)
+        for name, value in (material.values | item.values).items():
+            set_uniform(program, name, value)
+        item.drawable.render()
+
+    def _paint_backdrop(self, image: U8) -> None:
+        if self._backdrop is None or self._backdrop[0] is not image:
+            if self._backdrop is not None:
+                self._backdrop[1].release()
+                self._backdrop[2].release()
+            height, width = image.shape[:2]
+            texture = self._context.texture((width, height), 3, np.ascontiguousarray(image))
+            array = self._context.vertex_array(self._backdrop_program, [])
+            self._backdrop = image, texture, array
+        self._backdrop[1].use(0)
+        self._backdrop[2].render(moderngl.TRIANGLES, vertices=3)
+
+
+def _set_view(program: moderngl.Program, scene: Scene) -> None:
+    directions = scene.lights.directions
+    unit = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    set_uniform(program, "projection", scene.view.projection().T)
+    set_uniform(program, "light_direction", unit)
+    set_uniform(program, "light_color", scene.lights.colors)
+    set_uniform(program, "ambient_above", scene.lights.ambient_above)
+    set_uniform(program, "ambient_below", scene.lights.ambient_below)
+
+
+def set_uniform(program: moderngl.Program, name: str, value: float | FloatArray) -> None:
+    """Set a uniform, unless the driver dropped it because the shader does not use it."""
+    if name in program:
+        program[name].write(np.asarray(value, np.float32).tobytes())
