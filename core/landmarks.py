@@ -79,71 +79,35 @@ _INTERNAL: tuple[tuple[str, int, int, int], ...] = (
     ("L_lipin_lo", 317, 65, 2622),
 )
 
-# Name, index in the 478-point network, strip of vertices from the inside of the face outwards.
-# The network's points are those of its own face oval that lie where the strips cross the outline
-# of a frontal head; on a turned head they stay on the skin, see alignment.
-_CONTOUR: tuple[tuple[str, int, tuple[int, ...]], ...] = (
-    (
-        "R1",
-        127,
-        (102, 1027, 994, 1245, 989, 148, 194, 1530, 1329, 1538, 267, 1580, 807, 1745, 2112, 2081),
-    ),
-    (
-        "R2",
-        234,
-        (1401, 1403, 192, 213, 839, 1518, 1669, 1525, 1526, 269, 1578, 805, 796, 2078, 1798),
-    ),
-    (
-        "R3",
-        93,
-        (1482, 1418, 1411, 1674, 1676, 1494, 1495, 1497, 1548, 270, 1581, 806, 1440, 803, 2095),
-    ),
-    ("R4", 132, (1601, 837, 1631, 1632, 1644, 1551, 1549, 736, 1585, 849, 848, 738)),
-    ("R5", 58, (711, 1487, 1498, 1516, 1642, 1583, 832, 739, 931)),
-    ("R6", 172, (442, 404, 1289, 1506, 1570, 1641, 852, 829, 830, 741, 933, 935, 753, 754, 756)),
-    ("R7", 150, (480, 721, 734, 1553, 1508, 1637, 859, 743)),
-    ("chin", 152, (492, 1680, 491, 724, 733, 1505, 1554, 1514, 1568, 1639, 732, 747, 762, 925)),
-    ("L7", 379, (2593, 2802, 2812, 3602, 3559, 3681, 2926, 2821)),
-    (
-        "L6",
-        397,
-        (2560, 2522, 3346, 3557, 3617, 3684, 2919, 2896, 2897, 2819, 2992, 2994, 2830, 2831, 2833),
-    ),
-    ("L5", 288, (2792, 3539, 3550, 3566, 3685, 3630, 2899, 2817, 2990)),
-    ("L4", 361, (3647, 2904, 3675, 3676, 3687, 3600, 3598, 2814, 3632, 2916, 2915, 2816)),
-    (
-        "L3",
-        323,
-        (3534, 3471, 3465, 3716, 3718, 3546, 3547, 3549, 3597, 2397, 3628, 2876, 3493, 2873, 4130),
-    ),
-    (
-        "L2",
-        454,
-        (3456, 3458, 2326, 2346, 2906, 3568, 3711, 3575, 3576, 2396, 3625, 2875, 2866, 4113, 3835),
-    ),
-    (
-        "L1",
-        356,
-        (
-            2244,
-            3084,
-            3051,
-            3302,
-            3046,
-            2284,
-            2328,
-            3580,
-            3386,
-            3587,
-            2394,
-            3627,
-            2877,
-            3782,
-            4147,
-            4116,
-        ),
-    ),
-)
+# Name, where its line over the face starts and ends in the 478-point network, and its strip of
+# vertices; both from the inside of the face outwards. The lines end at those points of the
+# network's own face oval that lie where the strips cross the outline of a frontal head.
+_CONTOUR: tuple[tuple[str, int, int, tuple[int, ...]], ...] = (
+    ("R1", 35, 127,
+     (102, 1027, 994, 1245, 989, 148, 194, 1530, 1329, 1538, 267, 1580, 807, 1745, 2112, 2081)),
+    ("R2", 101, 234,
+     (1401, 1403, 192, 213, 839, 1518, 1669, 1525, 1526, 269, 1578, 805, 796, 2078, 1798)),
+    ("R3", 36, 93,
+     (1482, 1418, 1411, 1674, 1676, 1494, 1495, 1497, 1548, 270, 1581, 806, 1440, 803, 2095)),
+    ("R4", 216, 132, (1601, 837, 1631, 1632, 1644, 1551, 1549, 736, 1585, 849, 848, 738)),
+    ("R5", 212, 58, (711, 1487, 1498, 1516, 1642, 1583, 832, 739, 931)),
+    ("R6", 202, 172,
+     (442, 404, 1289, 1506, 1570, 1641, 852, 829, 830, 741, 933, 935, 753, 754, 756)),
+    ("R7", 204, 150, (480, 721, 734, 1553, 1508, 1637, 859, 743)),
+    ("chin", 17, 152, (492, 1680, 491, 724, 733, 1505, 1554, 1514, 1568, 1639, 732, 747, 762, 925)),
+    ("L7", 424, 379, (2593, 2802, 2812, 3602, 3559, 3681, 2926, 2821)),
+    ("L6", 422, 397,
+     (2560, 2522, 3346, 3557, 3617, 3684, 2919, 2896, 2897, 2819, 2992, 2994, 2830, 2831, 2833)),
+    ("L5", 432, 288, (2792, 3539, 3550, 3566, 3685, 3630, 2899, 2817, 2990)),
+    ("L4", 436, 361, (3647, 2904, 3675, 3676, 3687, 3600, 3598, 2814, 3632, 2916, 2915, 2816)),
+    ("L3", 266, 323,
+     (3534, 3471, 3465, 3716, 3718, 3546, 3547, 3549, 3597, 2397, 3628, 2876, 3493, 2873, 4130)),
+    ("L2", 330, 454,
+     (3456, 3458, 2326, 2346, 2906, 3568, 3711, 3575, 3576, 2396, 3625, 2875, 2866, 4113, 3835)),
+    ("L1", 265, 356,
+     (2244, 3084, 3051, 3302, 3046, 2284, 2328, 3580, 3386, 3587, 2394, 3627, 2877, 3782, 4147,
+      4116)),
+)  # fmt: skip
 
 # The fixed vertices that replace the outline in 3D shapes [Cao13, sec. 3]. They cover the skin
 # between the features, stay inside the outline to 30 degrees of yaw, and move with jaw and cheeks.
@@ -223,7 +187,9 @@ SHAPE_NAMES: tuple[str, ...] = (
 N_SHAPE_POINTS = len(SHAPE_NAMES)
 
 #: (75,) index in the 478-point network of each landmark.
-MESH478: I32 = _table([row[1] for row in (*_INTERNAL, *_CONTOUR)])
+MESH478: I32 = _table([row[1] for row in _INTERNAL] + [row[2] for row in _CONTOUR])
+#: (15,) index in the 478-point network of the inner end of each outline landmark's line.
+CONTOUR_STARTS478: I32 = _table([row[1] for row in _CONTOUR])
 #: (2,) index in the 478-point network of the iris centres, right then left.
 PUPILS478: I32 = _table([468, 473])
 #: (75,) index in the iBUG 68 scheme, -1 where it has no such point. Of its 17 outline points
@@ -240,7 +206,7 @@ SHAPE_MIRROR: I32 = _mirror(SHAPE_NAMES)
 #: (60,) and (15,) vertices of the head crop, and the 15 strips.
 INTERNAL_HEAD_VERTICES: I32 = _table([row[3] for row in _INTERNAL])
 REPLACEMENT_HEAD_VERTICES: I32 = _table([row[1] for row in _REPLACEMENTS])
-CONTOUR_HEAD_STRIPS: tuple[tuple[int, ...], ...] = tuple(row[2] for row in _CONTOUR)
+CONTOUR_HEAD_STRIPS: tuple[tuple[int, ...], ...] = tuple(row[3] for row in _CONTOUR)
 
 #: (M, 3) triangles over the 77 shape points.
 SHAPE_TRIANGLES: I32 = _table(_TRIANGLES)
