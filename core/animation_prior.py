@@ -24,13 +24,12 @@ if TYPE_CHECKING:
 N_LAGS = 3
 #: The groups; a name without its side stands for both sides.
 REGIONS: dict[str, tuple[str, ...]] = {
-    "lids": ("eyeBlink", "eyeWide"),
-    "squint": ("eyeSquint", "cheekSquint"),
+    "lids": ("eyeBlink", "eyeWide", "eyeSquint"),
     "brows": ("browDown", "browInnerUp", "browOuterUp"),
     "cheeks": ("cheekPuff", "cheekSuck"),
     "sideways": ("jawForward", "jawLeft", "jawRight", "mouthLeft", "mouthRight"),
     "opening": ("jawOpen", "mouthClose", "mouthFunnel", "mouthPucker"),
-    "corners": ("mouthSmile", "mouthFrown", "mouthDimple", "mouthStretch"),
+    "corners": ("mouthSmile", "mouthFrown", "mouthDimple", "mouthStretch", "cheekSquint"),
     "upper lip": ("mouthUpperUp", "mouthRollUpper", "mouthShrugUpper", "noseSneer"),
     "lower lip": ("mouthLowerDown", "mouthRollLower", "mouthShrugLower", "mouthPress"),
 }  # fmt: skip

@@ -67,7 +67,9 @@ class TrackerSettings:
     """How a frame is solved.
 
     Attributes:
-        noise_mm: Standard deviation of a point's coordinate about the blendshape model.
+        noise_mm: Standard deviation of a point's coordinate from frame to frame, at
+            `distance_mm`; it grows with the distance, being one of pixels.
+        distance_mm: See above.
         prior_weight: Of -log p, w_prior of [Cao13, eq. 14].
         sparsity: Threshold of a coefficient in units of its own noise.
         brow_weight: Weight of the brows' points; only ratios count.
@@ -80,9 +82,10 @@ class TrackerSettings:
         gaze: How gaze is measured and filtered.
     """
 
-    noise_mm: float = 0.35
+    noise_mm: float = 0.16
+    distance_mm: float = 600.0
     prior_weight: float = 1.0
-    sparsity: float = 0.5
+    sparsity: float = 0.3
     brow_weight: float = 1.5
     lid_weight: float = 2.0
     nose_weight: float = 1.0
@@ -214,13 +217,14 @@ class History:
 
     def first_lag(self, time_s: float) -> int:
         """Return the first of the lags 1..N_LAGS at which a frame is known; N_LAGS + 1 = none."""
-        if self._count == 0:
+        if self._count < 2:
             return N_LAGS + 1
         oldest, newest = self._times_s[0], self._times_s[self._count - 1]
         # A third of a frame of clock jitter is no missing frame.
         if time_s - oldest < (N_LAGS - 1 / 3) * self._frame_s:
             return N_LAGS + 1
-        return min(max(round((time_s - newest) / self._frame_s), 1), N_LAGS + 1)
+        frames_since = round(float(time_s - newest) / self._frame_s)
+        return min(max(frames_since, 1), N_LAGS + 1)
 
     def sample(self, time_s: float, first_lag: int) -> FloatArray:
         """Return the expressions (N_LAGS + 1 - first_lag, B) at the lags before `time_s`."""
@@ -287,7 +291,9 @@ class Tracker:
     def _solve(self, points: FloatArray, time_s: float, confidence: float) -> None:
         """Find pose and expression of the points."""
         self._first_lag = self._history.first_lag(time_s)
-        amounts = np.array([confidence, self._settings.prior_weight])
+        distance_mm = max(float(points[:, 2].mean()), 1.0)
+        data_weight = confidence * (self._settings.distance_mm / distance_mm) ** 2
+        amounts = np.array([data_weight, self._settings.prior_weight])
         self._rms_mm = track(
             self._face,
             self._priors[self._first_lag - 1],

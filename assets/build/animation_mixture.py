@@ -21,8 +21,8 @@ class MixtureSettings:
     """
 
     components: int
-    rounds: int = 40
-    floor: float = 0.004
+    rounds: int = 25
+    floor: float = 0.01
     shrinkage: float = 100.0
     broad_weight: float = 0.01
     broad_deviation: float = 0.3

@@ -34,7 +34,7 @@ from core.records import FloatArray
 SEED = 20
 MINUTES = 15.0
 #: Standard deviation of the past results' noise, one drawn for each clip.
-NOISE_LEVELS = (0.003, 0.008, 0.02)
+NOISE_LEVELS = (0.005, 0.01, 0.03)
 NOISE_CORRELATION = 0.5
 COMPONENTS = 8
 

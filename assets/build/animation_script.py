@@ -12,6 +12,7 @@ from core.records import FloatArray
 
 N = len(EXPRESSION_NAMES)
 FRAME_S = 1 / 30
+JAW, CLOSE = EXPRESSION_NAMES.index("jawOpen"), EXPRESSION_NAMES.index("mouthClose")
 
 VISEMES = (
     targets(jawOpen=0.06, mouthClose=0.06, mouthPress=0.3, mouthRollLower=0.2, mouthRollUpper=0.15),
@@ -20,7 +21,8 @@ VISEMES = (
     targets(jawOpen=0.14, mouthLowerDown=0.3, mouthUpperUp=0.15, mouthStretch=0.1),
     targets(jawOpen=0.22, mouthUpperUp=0.15, mouthStretch=0.12),
     targets(jawOpen=0.12, mouthFunnel=0.45, mouthShrugUpper=0.15, mouthUpperUp=0.15),
-    targets(jawOpen=0.06, mouthStretch=0.25, mouthLowerDown=0.25, mouthUpperUp=0.15, jawForward=0.1),
+    targets(jawOpen=0.06, mouthStretch=0.25, mouthLowerDown=0.25, mouthUpperUp=0.15,
+            jawForward=0.1),
     targets(jawOpen=0.12, mouthLowerDown=0.15, mouthDimple=0.1),
     targets(jawOpen=0.12, mouthFunnel=0.3, mouthPucker=0.25),
     targets(jawOpen=0.55, mouthLowerDown=0.3, mouthUpperUp=0.25),
@@ -136,6 +138,7 @@ def random_combinations(rng: np.random.Generator, end_s: float) -> list[Event]:
     while start < end_s:
         pose = np.zeros(N)
         pose[rng.choice(N, rng.integers(1, 5), replace=False)] = rng.uniform(0.2, 1.0)
+        pose[JAW] = max(pose[JAW], pose[CLOSE])
         rise, fall = np.exp(rng.uniform(np.log(0.08), np.log(0.8), 2))
         events.append(Event(start, rise, rng.exponential(0.6), fall, varied(rng, pose, 0.4)))
         start += rng.uniform(0.4, 1.6)
@@ -173,8 +176,7 @@ def scene(rng: np.random.Generator, kind: str, seconds: float) -> FloatArray:
     if kind == "combinations":
         clip += play(random_combinations(rng, seconds), times)
     clip = np.clip(clip, 0.0, 1.0)
-    jaw, close = EXPRESSION_NAMES.index("jawOpen"), EXPRESSION_NAMES.index("mouthClose")
-    clip[:, close] = np.minimum(clip[:, close], clip[:, jaw])
+    clip[:, CLOSE] = np.minimum(clip[:, CLOSE], clip[:, JAW])
     return clip
 
 

@@ -30,7 +30,9 @@ def test_recovers_the_direction_of_a_known_pupil(head, yaw, pitch):
 
 def test_signs_are_the_subjects_left_and_up():
     head = pose()
-    found = pupil_directions(pupils(0.0, 0.0, head) + [2.0, -3.0, 0.0], head, CENTERS, RADII)
+    found = pupil_directions(
+        pupils(0.0, 0.0, head) + np.array([2.0, -3.0, 0.0]), head, CENTERS, RADII
+    )
     assert (found > 0.1).all()
 
 
@@ -46,7 +48,7 @@ def test_the_pupils_depth_does_not_matter():
 
 def test_a_pupil_seen_beside_the_eyeball_counts_as_on_its_rim():
     head = pose()
-    found = pupil_directions(pupils(0, 0, head) + [30.0, 0, 0], head, CENTERS, RADII)
+    found = pupil_directions(pupils(0, 0, head) + np.array([30.0, 0, 0]), head, CENTERS, RADII)
     assert np.isfinite(found).all()
     np.testing.assert_allclose(found[:, 0], np.pi / 2, atol=0.15)
 
