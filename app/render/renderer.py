@@ -165,6 +165,11 @@ def _set_view(program: moderngl.Program, scene: Scene) -> None:
 
 
 def set_uniform(program: moderngl.Program, name: str, value: float | FloatArray) -> None:
-    """Set a uniform, unless the driver dropped it because the shader does not use it."""
+    """Set a uniform, unless the driver dropped it because the shader does not use it.
+
+    Drivers also drop the end of an array that is not read.
+    """
     if name in program:
-        program[name].write(np.asarray(value, np.float32).tobytes())
+        uniform = program[name]
+        size = 4 * uniform.dimension * uniform.array_length
+        uniform.write(np.asarray(value, np.float32).tobytes()[:size])

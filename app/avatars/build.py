@@ -1,0 +1,139 @@
+"""Puts head, looks, hair and bust together into an avatar."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from app.avatars.assembly import Assembly
+from app.avatars.bust import Bust, fitted_bust, neck_uv
+from app.avatars.complexion import skin_texture
+from app.avatars.hair import CUTS, Scalp, combed, shell_mm, strands
+from app.avatars.head import eye_radii_mm, lid_rows, lip_rows, surface
+from app.avatars.looks import Looks
+from app.avatars.small_textures import cloth_texture, eye_texture, lash_texture
+from app.render.avatar import Avatar, Eyes
+from app.render.scene import Material, Uniforms
+from core.face_model import FaceModel, eye_centers_mm
+from core.records import F32, U8, FloatArray
+
+#: Radius of the iris.
+IRIS_MM = 6.3
+#: Where the skull turns on the neck, for the mean head.
+PIVOT_MM = np.array([0.0, 62.0, 92.0])
+_INSIDE: Uniforms = {"gloss": 0.16, "roughness2": 0.02, "lit": 1.0}
+_CLOTH: Uniforms = {"gloss": 0.01, "roughness2": 0.3}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Wardrobe:
+    """What all avatars share.
+
+    Attributes:
+        skin_maps: Folder of the skin's maps.
+        mouth: (S, S, 3) texture of teeth and tongue.
+        extra: (V, 4) hold and openness of the face model's vertices, see `Mesh`.
+        scalp: Where hair grows.
+        bust: Neck and shirt.
+    """
+
+    skin_maps: Path
+    mouth: U8
+    extra: F32
+    scalp: Scalp
+    bust: Bust
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Head:
+    """The shape of one person's head.
+
+    Attributes:
+        model: Its topology.
+        neutral_mm: (V, 3).
+        deltas_mm: (46, V, 3).
+    """
+
+    model: FaceModel
+    neutral_mm: FloatArray
+    deltas_mm: F32
+
+
+def dressed(head: Head, looks: Looks, wardrobe: Wardrobe, name: str) -> Avatar:
+    """Return the avatar of a head with skin, eyes, hair and a shirt."""
+    rng = np.random.default_rng(7)
+    model, neutral = head.model, head.neutral_mm
+    assembly = Assembly(neutral, head.deltas_mm, wardrobe.extra)
+    _add_skin(assembly, head, looks, wardrobe)
+    _add_mouth_and_lashes(assembly, model, looks, wardrobe, rng)
+    if looks.hair_style in CUTS:
+        _add_hair(assembly, head, looks, wardrobe.scalp, rng)
+    centers = eye_centers_mm(model, neutral)
+    radii = eye_radii_mm(model, neutral, centers)
+    ball = Material("eye", eye_texture(looks.iris, IRIS_MM, float(radii.mean()), rng))
+    eyes = Eyes(centers, radii, lid_rows(model), (ball, ball))
+    return assembly.avatar(name, eyes, lip_rows(model), PIVOT_MM)
+
+
+def _add_skin(assembly: Assembly, head: Head, looks: Looks, wardrobe: Wardrobe) -> None:
+    """Add the skin of head and neck and the shirt."""
+    bust = wardrobe.bust
+    neck_mm, shirt_mm = fitted_bust(bust, head.neutral_mm)
+    ring = len(bust.ring)
+    neck_extra = np.stack([bust.neck_holds, 0.9 + 0 * bust.neck_holds], axis=1)
+    first = assembly.add_vertices(neck_mm[ring:], _extra(neck_extra[ring:]))
+    rows = np.concatenate([bust.ring, first + np.arange(len(neck_mm) - ring)]).astype(np.int32)
+    skin = surface(head.model, "skin", "mouth")
+    material = Material("skin", skin_texture(wardrobe.skin_maps, looks))
+    assembly.add_surface(
+        material,
+        np.concatenate([skin.triangles, rows[bust.neck_triangles]]),
+        np.concatenate([skin.uv, neck_uv(bust, head.model)]),
+    )
+    first = assembly.add_vertices(shirt_mm, _extra(np.ones((len(shirt_mm), 2))))
+    cloth = cloth_texture(looks.shirt, np.random.default_rng(3))
+    uv = shirt_mm[bust.shirt_triangles][..., :2] / 64 + 16
+    material = Material("plain", cloth, _CLOTH | {"lit": 1.0}, two_sided=True, repeated=True)
+    assembly.add_surface(material, bust.shirt_triangles + np.int32(first), uv.astype(np.float32))
+
+
+def _add_mouth_and_lashes(
+    assembly: Assembly,
+    model: FaceModel,
+    looks: Looks,
+    wardrobe: Wardrobe,
+    rng: np.random.Generator,
+) -> None:
+    """Add teeth, tongue and lashes."""
+    inside = surface(model, "teeth", "tongue")
+    assembly.add_surface(
+        Material("plain", wardrobe.mouth, _INSIDE, two_sided=True), inside.triangles, inside.uv
+    )
+    if looks.lashes > 0:
+        lashes = surface(model, "lashes")
+        texture = lash_texture(looks.lashes, rng)
+        values: Uniforms = {"cutoff": 0.0, "shine": 0.1}
+        material = Material("hair", texture, values, two_sided=True, blended=True)
+        assembly.add_surface(material, lashes.triangles, lashes.uv)
+
+
+def _add_hair(
+    assembly: Assembly, head: Head, looks: Looks, scalp: Scalp, rng: np.random.Generator
+) -> None:
+    """Add the shells of the hair; the brows' muscles move the scalp a little."""
+    cut = CUTS[looks.hair_style]
+    deltas = np.stack([scalp.mix @ delta for delta in head.deltas_mm]).astype(np.float32)
+    uv = combed(scalp.mix @ head.neutral_mm)[scalp.triangles] * [6.0, 2.0]
+    coverage = np.clip((scalp.above_mm + 1) / 9.0, 0, 1)
+    for share, sparse in cut.shells:
+        extra = np.zeros((len(scalp.above_mm), 4), np.float32)
+        extra[:, 1] = 0.55 + 0.45 * share
+        extra[:, 2] = coverage
+        first = assembly.add_vertices(shell_mm(scalp, head.neutral_mm, cut, share), extra, deltas)
+        material = strands(looks, sparse, rng)
+        assembly.add_surface(material, scalp.triangles + np.int32(first), uv.astype(np.float32))
+
+
+def _extra(hold_and_openness: FloatArray) -> F32:
+    """Return (n, 4) extra values with nothing special to a material."""
+    return np.pad(hold_and_openness, ((0, 0), (0, 2)), constant_values=1.0).astype(np.float32)
