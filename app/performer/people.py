@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.avatars.looks import LOOKS, Looks
-from app.performer.hair import Style
+from app.avatars.looks import LOOKS, Color, Looks
 from core.arkit import EXPRESSION_NAMES
 from core.errors import CoreError
 from core.face_model import FaceModel
@@ -22,31 +21,23 @@ class Role:
 
     Attributes:
         row: Number of the person in the file.
-        looks: Colours of skin, eyes, brows.
-        style: Hair or cap.
+        looks: Colours of skin, eyes and brows, hair, shirt.
+        cap: Colour of a knitted cap, None without one.
     """
 
     row: int
     looks: Looks
-    style: Style
+    cap: Color | None = None
 
 
 #: Everybody who can perform, by name.
 CAST: dict[str, Role] = {
-    "mara": Role(
-        0,
-        LOOKS["light"].changed(shirt=(70, 92, 120), freckles=0.25, brows=(58, 42, 32)),
-        Style((66, 46, 34), top_mm=24.0, side_mm=14.0, lower_mm=3.0),
-    ),
-    "tomas": Role(
-        1,
-        LOOKS["olive"].changed(shirt=(112, 60, 52), beard=0.35, age=0.35),
-        Style((48, 40, 36), top_mm=18.0, side_mm=8.0),
-    ),
+    "mara": Role(0, LOOKS["light"].changed(shirt=(70, 92, 120), freckles=0.25)),
+    "tomas": Role(1, LOOKS["olive"].changed(shirt=(112, 60, 52), beard=0.35, age=0.35)),
     "ayo": Role(
         2,
-        LOOKS["brown"].changed(shirt=(150, 148, 138)),
-        Style((152, 64, 50), top_mm=12.0, side_mm=8.0, cloth=True),
+        LOOKS["brown"].changed(shirt=(150, 148, 138), hair_style="cropped"),
+        cap=(152, 64, 50),
     ),
 }
 
