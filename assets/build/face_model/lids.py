@@ -1,0 +1,129 @@
+"""Eyelids that slide over the eyeball: blinking, squinting and opening wide on any head.
+
+Every vertex near an eye is seen from the eye's centre as longitude, latitude (down positive) and
+radius. A lid moves by turning its vertices in latitude, so it stays outside the ball; the rims
+of both lids, as latitudes over longitude, say how far there is to go.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from assets.build.face_model.head import Head
+from assets.build.face_model.surface import Loops, Surface, smooth_step
+
+OUTER_CORNER, INNER_CORNER = 18, 66
+RIM_START, RIM_NEXT, RIM_LENGTH = 0, 6, 28
+#: Distance along the skin from the rim over which a lid's movement fades out.
+UPPER_REACH_MM, LOWER_REACH_MM, INSIDE_REACH_MM = 15.0, 11.0, 9.0
+#: Eyeballs this much smaller leave room for the straight path of a blink.
+EYEBALL_SCALE = 0.97
+
+
+@dataclass(frozen=True)
+class Lids:
+    """Which vertices follow the lids of the right eye, and how much.
+
+    Attributes:
+        vertices: (k,) vertices that move.
+        upper: (k,) share of the upper lid's movement in [0, 1].
+        lower: (k,) share of the lower lid's.
+        skin: (k,) True where the vertex is skin in front of the ball.
+        upper_rim: Rim vertices from the outer to the inner corner, over the upper lid.
+        lower_rim: The same over the lower lid.
+    """
+
+    vertices: np.ndarray
+    upper: np.ndarray
+    lower: np.ndarray
+    skin: np.ndarray
+    upper_rim: np.ndarray
+    lower_rim: np.ndarray
+
+
+def right_lids(head: Head, surface: Surface, center: np.ndarray) -> Lids:
+    """Return the lids of the right eye of the head whose surface is given."""
+    rim = Loops(head).along(RIM_START, RIM_NEXT, RIM_LENGTH)
+    outer, inner = rim.index(OUTER_CORNER), rim.index(INNER_CORNER)
+    lower_rim = np.array(rim[outer : inner + 1])
+    upper_rim = np.array([*rim[inner:], *rim[: outer + 1]])[::-1]
+    to_upper = surface.distance(upper_rim[1:-1])
+    to_lower = surface.distance(lower_rim[1:-1])
+    radius = np.linalg.norm(surface.points - center, axis=1)
+    inside = (radius < radius[rim].min() - 0.2) & (np.minimum(to_upper, to_lower) < 25)
+    reach = np.where(inside, INSIDE_REACH_MM, np.where(to_upper < to_lower, UPPER_REACH_MM,
+                                                        LOWER_REACH_MM))  # fmt: skip
+    share = 1 - smooth_step(np.minimum(to_upper, to_lower) / reach)
+    vertices = np.flatnonzero(share > 0)
+    is_upper = (to_upper < to_lower)[vertices]
+    share = share[vertices]
+    lashes = [head.group["helper-r-eyelashes-1"], head.group["helper-r-eyelashes-2"]]
+    ones = [np.ones(len(group)) for group in lashes]
+    return Lids(
+        vertices=np.concatenate([vertices, *lashes]),
+        upper=np.concatenate([np.where(is_upper, share, 0), 0 * ones[0], ones[1]]),
+        lower=np.concatenate([np.where(is_upper, 0, share), ones[0], 0 * ones[1]]),
+        skin=np.concatenate([~inside[vertices], 0 * ones[0] > 0, 0 * ones[1] > 0]),
+        upper_rim=upper_rim,
+        lower_rim=lower_rim,
+    )
+
+
+def polar(points: np.ndarray, center: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return longitude, latitude (down positive) in rad and radius in mm around an eye."""
+    x, y, z = np.moveaxis(points - center, -1, 0)
+    flat = np.hypot(x, z)
+    return np.arctan2(x, -z), np.arctan2(y, flat), np.hypot(flat, y)
+
+
+def from_polar(
+    center: np.ndarray, longitude: np.ndarray, latitude: np.ndarray, radius: np.ndarray
+) -> np.ndarray:
+    """Return the points (k, 3) of longitude, latitude and radius around an eye."""
+    flat = np.cos(latitude)
+    direction = [np.sin(longitude) * flat, np.sin(latitude), -np.cos(longitude) * flat]
+    return center + radius[:, None] * np.stack(direction, axis=-1)
+
+
+def along_rim(rim: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Return a rim's latitude and radius (2, k) at longitudes, from its (3, m) polar form."""
+    order = np.argsort(rim[0])
+    return np.stack([np.interp(at, rim[0][order], rim[i][order]) for i in (1, 2)])
+
+
+@dataclass(frozen=True)
+class LidMove:
+    """How far lids move: shares of the opening, and how much skin settles on the ball.
+
+    Attributes:
+        upper: Share of the opening that the upper lid goes down; negative goes up.
+        lower: Share that the lower lid goes up.
+        settle: Share of the way from its fold to the lid's thickness that moving skin goes.
+        overlap_rad: Extra latitude of the upper rim, in the middle of the eye.
+        lift_mm: Extra radius of the moving skin.
+    """
+
+    upper: float
+    lower: float
+    settle: float = 0.0
+    overlap_rad: float = 0.0
+    lift_mm: float = 0.0
+
+
+def move_lids(lids: Lids, points: np.ndarray, center: np.ndarray, move: LidMove) -> np.ndarray:
+    """Return the displacement (V, 3) of moving the right eye's lids on a head (V, 3)."""
+    longitude, latitude, radius = polar(points[lids.vertices], center)
+    upper_rim = np.stack(polar(points[lids.upper_rim], center))
+    lower_rim = np.stack(polar(points[lids.lower_rim], center))
+    upper, thickness = along_rim(upper_rim, longitude)
+    opening = np.maximum(along_rim(lower_rim, longitude)[0] - upper, 0)
+    middle = opening / max(opening.max(), 1e-6)
+    down = lids.upper * (move.upper * opening + move.overlap_rad * np.sqrt(middle))
+    up = lids.lower * move.lower * opening
+    moved = np.abs(lids.upper * move.upper) * middle
+    settled = radius + move.settle * moved * np.where(lids.skin, thickness - radius, 0.0)
+    settled += move.lift_mm * moved * lids.skin
+    out = np.zeros_like(points)
+    target = from_polar(center, longitude, latitude + down - up, settled)
+    out[lids.vertices] = target - points[lids.vertices]
+    return out
