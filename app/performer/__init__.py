@@ -1,9 +1,18 @@
 """The virtual performer: a synthetic person in front of a synthetic webcam, with its truth.
 
+`open_performer(Scenario(take="talking"))` is a FrameSource whose `truth(index)` tells what is
+really there; `setup_pictures()` gives the 60 prompted poses.
+
 | module | what it does |
 |---|---|
-| `curves` | timing curves: minimum jerk, pulses, wandering, saccades, blinks |
-| `acts` | what a person does on purpose: speak, turn, shake the head, pull faces |
-| `takes` | acts joined, with blinks, gaze and sway added -> `Take` |
-| `prompts` | the setup session: every prompted pose, done as people do it |
+| `opening` | names -> a performance |
+| `performer` | the FrameSource: frames by the clock or by number, motion blur, truth |
+| `truth` | take + person -> pose, expression, gaze and 77 points at any time |
+| `stage` | draws the person in the room with app.render; clean pictures |
+| `sensor` | clean picture -> webcam picture: softness, exposure, noise, compression |
+| `people` | who performs; none is in the face model's span |
+| `posture` | head angles -> where head and body are |
+| `takes`, `acts`, `curves` | what is done when |
+| `prompts` | the setup session, done as people do it |
+| `room`, `lights`, `cap`, `pacing` | the set, the lamps, a cap, the clock |
 """

@@ -54,7 +54,8 @@ class VirtualPerformer(ClosedOnExit):
         self._filming = filming = filming or Filming()
         self.name = f"virtual performer ({setting.person.name}, {take.name})"
         self.size_px, self.live = setting.camera.size_px, filming.live
-        self._script = Script(take, setting.person, setting.model, setting.camera.focal_px)
+        usual_focal_px = setting.camera.focal_px * 640 / self.size_px[0]
+        self._script = Script(take, setting.person, setting.model, usual_focal_px)
         self._sensor = Sensor(self.size_px, filming.sensor, filming.seed)
         self._pacer = Pacer(FPS)
         self._index = 0
