@@ -31,6 +31,8 @@ class FernRegressor:
         basis_mm: (T, D, Q, 3).
         shapes_mm: (N, Q, 3) original shapes, each around its centroid.
         translations_mm: (m, 3).
+        mean_mm: (Q, 3) mean shape, around its centroid.
+        size_gauge: (Q, 3) weights that measure the size of a shape turned like the mean shape.
         check_corners: (R, 3) points of the failure check.
         check_weights: (R, 3).
         check_members: (E, k).
@@ -53,6 +55,8 @@ class FernRegressor:
     basis_mm: F32
     shapes_mm: FloatArray
     translations_mm: FloatArray
+    mean_mm: FloatArray
+    size_gauge: FloatArray
     check_corners: I32
     check_weights: F32
     check_members: I32
@@ -77,6 +81,8 @@ class FernRegressor:
             basis_mm=(np.float32, ("T", "D", "Q", 3)),
             shapes_mm=(np.float64, ("N", "Q", 3)),
             translations_mm=(np.float64, ("m", 3)),
+            mean_mm=(np.float64, ("Q", 3)),
+            size_gauge=(np.float64, ("Q", 3)),
             check_corners=(np.int32, ("R", 3)),
             check_weights=(np.float32, ("R", 3)),
             check_members=(np.int32, ("E", "k")),

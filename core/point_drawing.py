@@ -16,6 +16,8 @@ class PointSettings:
     Attributes:
         n_points: P, points per stage [Cao13: 400].
         spread: Standard deviation of their distance from a landmark, in face radii.
+        reach: Farthest distance of points outside the triangles from the nearest landmark, in
+            face radii: beyond lie hair and walls.
         barycentric: Carry each point by the three corners of a triangle of the face, so that it
             turns and stretches with the shape. False: the paper's offset from one landmark.
         n_cells: Cells in which the local contrast is measured.
@@ -25,7 +27,8 @@ class PointSettings:
     """
 
     n_points: int = 300
-    spread: float = 0.15
+    spread: float = 0.4
+    reach: float = 0.5
     barycentric: bool = True
     n_cells: int = 40
     cell_size: int = 40
@@ -52,17 +55,20 @@ def draw_points(
         settings: How to draw.
     """
     radius = np.sqrt(np.mean(np.sum((shape_mm - shape_mm.mean(axis=0)) ** 2, axis=1)))
-    near = rng.integers(0, len(shape_mm), settings.n_points)
-    drawn = shape_mm[near] + rng.normal(0, settings.spread * radius, (settings.n_points, 3))
-    if settings.barycentric:
-        corners, weights = _carry(shape_mm, triangles, drawn)
-        offsets = np.zeros_like(drawn)
-        places = np.einsum("pc,pcd->pd", weights, shape_mm[corners])
-    else:
-        nearest = ((drawn[:, None] - shape_mm) ** 2).sum(axis=2).argmin(axis=1)
-        corners = np.repeat(nearest[:, None], 3, axis=1)
-        weights = np.tile([1.0, 0.0, 0.0], (settings.n_points, 1))
-        offsets, places = drawn - shape_mm[nearest], drawn
+    wanted, reach = settings.n_points, settings.reach * radius
+    near = rng.integers(0, len(shape_mm), 8 * wanted)
+    drawn = shape_mm[near] + rng.normal(0, settings.spread * radius, (len(near), 3))
+    corners, weights = _carry(shape_mm, triangles, drawn)
+    places = np.einsum("pc,pcd->pd", weights, shape_mm[corners])
+    squared = ((places[:, None] - shape_mm) ** 2).sum(axis=2)
+    kept = np.flatnonzero((weights.min(axis=1) >= 0) | (squared.min(axis=1) < reach**2))[:wanted]
+    corners, weights, places = corners[kept], weights[kept], places[kept]
+    offsets = np.zeros_like(places)
+    if not settings.barycentric:
+        nearest, places = squared[kept].argmin(axis=1), drawn[kept]
+        corners = np.repeat(nearest[:, None], 3, axis=1).astype(np.int32)
+        weights = np.tile([1.0, 0.0, 0.0], (len(kept), 1))
+        offsets = places - shape_mm[nearest]
     members, cell = _cells(places, settings)
     return AppearancePoints(corners, weights, offsets, members, cell)  # type: ignore[arg-type]
 

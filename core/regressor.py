@@ -33,11 +33,14 @@ class RegressionSettings:
         use_median: Combine the runs by their median, as in the paper, instead of their mean.
         again_mm: Run a second time, from the first result, if that lies further than this (RMS)
             from the previous shape; one pass reaches about 10 degrees or 10 mm.
+        keep_size: Slide the result along the lines of sight to where its size is the user's;
+            see core.head_size.
     """
 
     n_runs: int = 15
     use_median: bool = False
     again_mm: float = 8.0
+    keep_size: bool = True
 
 
 class _Stage:
@@ -84,7 +87,7 @@ class Regression:
         self._check_reader = AppearanceReader(n_points, self._check_points, 1)
         self._center, self._rotation = np.zeros(3), np.eye(3)
         self._centred, self._turned = np.empty((n_points, 3)), np.empty((n_points, 3))
-        self._scratch = np.empty((3, 4, 4))
+        self._scratch, self._turn = np.empty((3, 4, 4)), np.empty((3, 3))
         self._distances = np.empty(n_shapes)
         self._chosen = np.zeros((n_runs, 2), np.int32)
         self._values = np.empty(n_runs)
@@ -171,7 +174,19 @@ class Regression:
         spread = combine_runs(reader.shapes, n_runs, use_median, self._values, self._turned)
         np.matmul(self._turned, self._rotation, out=self._result)
         self._result += self._center
+        if self._settings.keep_size:
+            self._fit_size()
         return float(spread)
+
+    def _fit_size(self) -> None:
+        """Scale the result about the camera's centre until it has the user's size."""
+        regressor = self._regressor
+        center_shape(self._result, self._center, self._centred)
+        align_rotation(self._centred, regressor.mean_mm, self._scratch, self._turn)
+        turn_shape(self._centred, self._turn, self._turned)
+        size = float(np.vdot(self._turned, regressor.size_gauge))
+        # A shape gone astray must not be thrown to the end of the world.
+        self._result /= min(max(size, 0.8), 1.25)
 
     def _residual(self, gray: U8) -> float:
         """Return how unlike the training pictures the frame looks at the result."""

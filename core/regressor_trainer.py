@@ -2,20 +2,19 @@
 
 from collections.abc import Generator
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
 from core.appearance import AppearancePoints
 from core.appearance_check import CHECK_POINTS, AppearanceCheck, learn_check
+from core.head_size import size_gauge
 from core.kernels.appearance import sample_training
-from core.kernels.training import best_pairs, difference_ranges, grow_fern, inverse_deviations
+from core.kernels.training import best_pairs, find_leaves, grow_leaves, inverse_deviations
 from core.point_drawing import PointSettings, draw_points, mean_shape
 from core.records import F32, I32, Progress
 from core.regressor import FernRegressor
 from core.training_set import TrainingSet
-
-#: Sums over samples are taken in so many parts, however many threads there are.
-N_CHUNKS = 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +28,9 @@ class TrainSettings:
         shrinkage: beta, pulls leaves with few samples towards zero [250].
         n_numbers: C, principal components of a stage's residuals in which its leaves are kept;
             0 keeps all 3Q numbers of a shape, as in the paper.
+        n_parts: The search for index pairs looks at one part in so many of the samples per fern.
+        balance: Random directions favour small components of the residuals by this power of
+            1 / standard deviation; 0: the paper, where moving the head drowns moving a lip.
         points: How the appearance points are drawn.
     """
 
@@ -37,6 +39,8 @@ class TrainSettings:
     n_tests: int = 5
     shrinkage: float = 250.0
     n_numbers: int = 24
+    n_parts: int = 3
+    balance: float = 0.5
     points: PointSettings = field(default_factory=PointSettings)
 
 
@@ -141,31 +145,20 @@ def _train_stage(
     basis = _principal_basis(missing_mm, settings.n_numbers)
     start = np.einsum("sqk,cqk->sc", missing_mm, basis, optimize=True).astype(np.float32)
     residuals = np.ascontiguousarray(start)
-    search = _PairSearch(centred)
+    search = _PairSearch(centred, settings.n_parts)
     n_leaves = 2**settings.n_tests
     pairs = np.zeros((settings.n_ferns, settings.n_tests, 2), np.int32)
     thresholds = np.zeros((settings.n_ferns, settings.n_tests), np.float32)
     leaves = np.zeros((settings.n_ferns, n_leaves, len(basis)), np.float32)
-    sums = np.empty((N_CHUNKS, n_leaves, len(basis)), np.float32)
-    counts = np.empty((N_CHUNKS, n_leaves), np.int32)
-    leaf = np.empty(len(residuals), np.int32)
-    ranges = np.empty((settings.n_tests, 2), np.float32)
+    counts, leaf = np.empty(n_leaves, np.int32), np.empty(len(residuals), np.int32)
+    deviations = (residuals.std(axis=0) + np.float32(1e-3)) ** np.float32(settings.balance)
     for k in range(settings.n_ferns):
         directions = rng.normal(size=(len(basis), settings.n_tests)).astype(np.float32)
-        search.find(residuals @ directions, pairs[k])
-        difference_ranges(columns, pairs[k], ranges)
-        thresholds[k] = ranges[:, 0] + rng.random(settings.n_tests) * np.ptp(ranges, axis=1)
-        grow_fern(
-            columns,
-            pairs[k],
-            thresholds[k],
-            settings.shrinkage,
-            residuals,
-            sums,
-            counts,
-            leaf,
-            leaves[k],
-        )
+        directions /= deviations[:, None]
+        search.find(residuals, directions, pairs[k])
+        places = rng.random(settings.n_tests).astype(np.float32)
+        find_leaves(columns, pairs[k], places, thresholds[k], leaf)
+        grow_leaves(leaf, settings.shrinkage, residuals, counts, leaves[k])
     made = np.einsum("sc,cqk->sqk", start - residuals, basis, optimize=True)
     return Stage(points, pairs, thresholds, leaves, basis), made.astype(np.float32)
 
@@ -175,19 +168,25 @@ class _PairSearch:
 
     In covariance form: the variances of all P * P differences follow from the P * P covariances
     of the intensities, once per stage; each target then costs one product with the intensities.
+    That product reads all intensities, so every fern uses another part of the samples.
     """
 
-    def __init__(self, centred: F32) -> None:
-        """Take the intensities (P, S), each row with mean zero."""
-        n_points, self._n_samples = centred.shape
-        self._centred = centred
+    def __init__(self, centred: F32, n_parts: int) -> None:
+        """Take the intensities (P, S) in random order of samples, each row with mean zero."""
+        n_points, n_samples = centred.shape
+        cuts = np.linspace(0, n_samples, n_parts + 1).astype(int)
+        self._spans = [slice(a, b) for a, b in pairwise(cuts)]
+        self._parts = [np.ascontiguousarray(centred[:, span]) for span in self._spans]
+        self._turn = 0
         self._inverse = np.empty((n_points, n_points), np.float32)
-        inverse_deviations(centred @ centred.T / np.float32(self._n_samples), self._inverse)
+        inverse_deviations(centred @ centred.T / np.float32(n_samples), self._inverse)
 
-    def find(self, targets: F32, pairs: I32) -> None:
-        """Write the best pair (F, 2) of each target (S, F)."""
-        covariances = np.ascontiguousarray((self._centred @ targets).T)
-        best_pairs(covariances, self._inverse, np.empty_like(covariances), pairs)
+    def find(self, residuals: F32, directions: F32, pairs: I32) -> None:
+        """Write the best pair (F, 2) for residuals (S, C) seen along directions (C, F)."""
+        span, part = self._spans[self._turn], self._parts[self._turn]
+        self._turn = (self._turn + 1) % len(self._parts)
+        covariances = (residuals[span] @ directions).T @ part.T
+        best_pairs(np.ascontiguousarray(covariances), self._inverse, pairs)
 
 
 def _principal_basis(missing_mm: F32, n_numbers: int) -> F32:
@@ -206,6 +205,7 @@ def _assemble(
     training_set: TrainingSet, stages: list[Stage], check: AppearanceCheck, softening: float
 ) -> FernRegressor:
     shapes = training_set.shapes_mm
+    mean = mean_shape(shapes)
     points = [stage.points for stage in stages]
     return FernRegressor(
         corners=np.stack([p.corners for p in points]),
@@ -220,6 +220,8 @@ def _assemble(
         basis_mm=np.stack([stage.basis for stage in stages]),
         shapes_mm=shapes - shapes.mean(axis=1, keepdims=True),
         translations_mm=training_set.translations_mm,
+        mean_mm=mean,
+        size_gauge=size_gauge(shapes, mean),
         check_corners=check.points.corners,
         check_weights=check.points.weights,
         check_members=check.points.members,

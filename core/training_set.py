@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.augmentation import Augmentation, AugmentationSettings, draw_augmentation
 from core.geometry import matrix_from_quaternion
@@ -35,7 +36,7 @@ class TrainingSetSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrainingSet:
-    """N pictures and S training samples; a sample names its picture, pictures are not copied.
+    """N pictures and S training samples in random order; a sample only names its picture.
 
     Attributes:
         camera: The camera of the pictures.
@@ -150,7 +151,7 @@ def _draw_guesses(
     moves: FloatArray,
     rng: np.random.Generator,
     settings: TrainingSetSettings,
-) -> tuple[I32, I32, F32]:
+) -> tuple[I32, NDArray[np.intp], F32]:
     """Return picture (S,), translation (S,) and guess (S, Q, 3) of every sample."""
     center = points_mm.mean(axis=1)
     similar = similar_shapes(points_mm, settings.n_similar)
@@ -169,7 +170,9 @@ def _draw_guesses(
     like = similar[image, source]
     turned = _turn(points_mm[like] - center[like][:, None], settings.turn_rad, rng)
     guess = turned + (center[image] + moves[chosen.ravel()])[:, None]
-    return image.astype(np.int32), move.astype(np.int32), guess.astype(np.float32)
+    # The trainer takes any run of samples for a fair part of all.
+    order = rng.permutation(len(image))
+    return image[order].astype(np.int32), move[order], guess[order].astype(np.float32)
 
 
 def _turn(centred_mm: FloatArray, turn_rad: float, rng: np.random.Generator) -> FloatArray:

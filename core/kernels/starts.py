@@ -190,7 +190,10 @@ def combine_runs(
     values: FloatArray,  # (L,) scratch
     out: FloatArray,  # (Q, 3)
 ) -> float:
-    """Write the mean or median of the runs; return their RMS distance from their mean in mm."""
+    """Write the mean or median of the runs; return their RMS distance across the view in mm.
+
+    Along the view (c = 2) runs differ more without being wrong: a picture hardly shows depth.
+    """
     spread = 0.0
     for q in range(shapes.shape[0]):
         for c in range(3):
@@ -205,7 +208,7 @@ def combine_runs(
                 values[k] = value
             mean = total / n_runs
             for r in range(n_runs):
-                spread += (values[r] - mean) ** 2
+                spread += (values[r] - mean) ** 2 if c < 2 else 0.0
             if use_median:
                 mean = 0.5 * (values[n_runs // 2] + values[(n_runs - 1) // 2])
             out[q, c] = mean

@@ -19,11 +19,10 @@ def inverse_deviations(
             out[p, q] = 1 / np.sqrt(variance) if variance > 1e-6 else 0.0
 
 
-@numba.njit(cache=True, nogil=True, parallel=True)
+@numba.njit(cache=True, nogil=True)
 def best_pairs(
     covariances: F32,  # (F, P) of each target with the intensities
     inverse: F32,  # (P, P) from inverse_deviations
-    row_best: F32,  # (F, P) scratch
     pairs: I32,  # (F, 2) out
 ) -> None:
     """Find for every target the pair whose difference correlates most with it.
@@ -32,81 +31,77 @@ def best_pairs(
     [Cao et al. 2012].
     """
     n_tests, n_points = covariances.shape
-    for p in numba.prange(n_points):
-        for f in range(n_tests):
+    for f in range(n_tests):
+        row = covariances[f]
+        strongest = np.float32(-1)
+        for p in range(n_points):
+            mine, scales = row[p], inverse[p]
             best = np.float32(0)
             for q in range(n_points):
                 # The swapped pair has the opposite sign, so the largest is also the strongest.
-                score = (covariances[f, p] - covariances[f, q]) * inverse[p, q]
-                best = max(best, score)
-            row_best[f, p] = best
-    for f in range(n_tests):
-        p = np.argmax(row_best[f])
-        best = np.float32(-1)
+                score = (mine - row[q]) * scales[q]
+                best = score if score > best else best
+            if best > strongest:
+                strongest = best
+                pairs[f, 0] = p
+        p = pairs[f, 0]
+        strongest = np.float32(-1)
         for q in range(n_points):
-            score = (covariances[f, p] - covariances[f, q]) * inverse[p, q]
-            if score > best:
-                best = score
+            score = (row[p] - row[q]) * inverse[p, q]
+            if score > strongest:
+                strongest = score
                 pairs[f, 1] = q
-        pairs[f, 0] = p
 
 
-@numba.njit(cache=True, nogil=True, parallel=True)
-def difference_ranges(
+@numba.njit(cache=True, nogil=True)
+def find_leaves(
     intensities: F32,  # (P, S)
     pairs: I32,  # (F, 2)
-    out: F32,  # (F, 2) least and greatest difference
+    places: F32,  # (F,) where between least and greatest difference each threshold lies
+    thresholds: F32,  # (F,) out
+    leaf: I32,  # (S,) out
 ) -> None:
-    """Find the range of every difference over all samples."""
-    for f in numba.prange(pairs.shape[0]):
+    """Set the thresholds of one fern and find the leaf of every sample."""
+    n_samples = intensities.shape[1]
+    leaf[:] = 0
+    for f in range(pairs.shape[0]):
         first, second = intensities[pairs[f, 0]], intensities[pairs[f, 1]]
         low, high = np.float32(np.inf), np.float32(-np.inf)
-        for s in range(intensities.shape[1]):
+        for s in range(n_samples):
             difference = first[s] - second[s]
-            low, high = min(low, difference), max(high, difference)
-        out[f, 0], out[f, 1] = low, high
+            low = difference if difference < low else low
+            high = difference if difference > high else high
+        threshold = low + places[f] * (high - low)
+        thresholds[f] = threshold
+        for s in range(n_samples):
+            # Test 0 is the highest bit: add_ferns numbers the leaves the same way.
+            passed = np.int32(1) if first[s] - second[s] >= threshold else np.int32(0)
+            leaf[s] = 2 * leaf[s] + passed
 
 
-@numba.njit(cache=True, nogil=True, parallel=True)
-def grow_fern(
-    intensities: F32,  # (P, S)
-    pairs: I32,  # (F, 2)
-    thresholds: F32,  # (F,)
+@numba.njit(cache=True, nogil=True)
+def grow_leaves(
+    leaf: I32,  # (S,)
     shrinkage: float,
     residuals: F32,  # (S, C) what is still missing; the fern's output is taken off
-    sums: F32,  # (chunks, 2**F, C) scratch
-    counts: I32,  # (chunks, 2**F) scratch
-    leaf: I32,  # (S,) scratch
+    counts: I32,  # (2**F,) scratch
     leaves: F32,  # (2**F, C) out
 ) -> None:
-    """Fill the leaves with the shrunk mean residuals [Cao13, eq. 10] and apply the fern.
-
-    The samples are summed in a fixed number of chunks, so the result does not depend on the
-    number of threads.
-    """
-    n_samples, n_numbers = residuals.shape
-    n_chunks = sums.shape[0]
-    for chunk in numba.prange(n_chunks):
-        start, stop = chunk * n_samples // n_chunks, (chunk + 1) * n_samples // n_chunks
-        leaf[start:stop] = 0
-        for f in range(pairs.shape[0]):
-            first, second = intensities[pairs[f, 0]], intensities[pairs[f, 1]]
-            for s in range(start, stop):
-                # Test 0 is the highest bit: add_ferns numbers the leaves the same way.
-                passed = np.int32(1) if first[s] - second[s] >= thresholds[f] else np.int32(0)
-                leaf[s] = 2 * leaf[s] + passed
-        sums[chunk] = 0
-        counts[chunk] = 0
-        for s in range(start, stop):
-            counts[chunk, leaf[s]] += 1
-            for c in range(n_numbers):
-                sums[chunk, leaf[s], c] += residuals[s, c]
-    for b in range(leaves.shape[0]):
-        size = counts[:, b].sum()
+    """Fill the leaves with the shrunk mean residuals [Cao13, eq. 10] and apply the fern."""
+    n_numbers = residuals.shape[1]
+    leaves[:] = 0
+    counts[:] = 0
+    for s in range(residuals.shape[0]):
+        total, missing = leaves[leaf[s]], residuals[s]
+        counts[leaf[s]] += 1
         for c in range(n_numbers):
-            # sum / (n + shrinkage) is the mean times 1 / (1 + shrinkage / n), and 0 when empty.
-            leaves[b, c] = sums[:, b, c].sum() / max(size + shrinkage, 1e-6)
-    for chunk in numba.prange(n_chunks):
-        for s in range(chunk * n_samples // n_chunks, (chunk + 1) * n_samples // n_chunks):
-            for c in range(n_numbers):
-                residuals[s, c] -= leaves[leaf[s], c]
+            total[c] += missing[c]
+    for b in range(leaves.shape[0]):
+        # sum / (n + shrinkage) is the mean times 1 / (1 + shrinkage / n), and 0 when empty.
+        share = np.float32(1 / max(counts[b] + shrinkage, 1e-6))
+        for c in range(n_numbers):
+            leaves[b, c] *= share
+    for s in range(residuals.shape[0]):
+        output, missing = leaves[leaf[s]], residuals[s]
+        for c in range(n_numbers):
+            missing[c] -= output[c]
