@@ -6,7 +6,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Generator, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -16,8 +16,13 @@ import numpy as np
 from app.capture.choose import open_source
 from app.capture.source import FrameSource
 from app.commands.progress import TerminalProgress
+from app.painting import AVATARS, AvatarPainter, make_avatar
 from app.profiles import profile_folder
 from app.recording.outputs import Outputs
+from app.recording.table import Table
+from app.recording.track_file import TrackFile
+from app.recording.video import SideBySideVideo
+from core.camera import camera_for
 from core.plain_json import json_text
 from core.records import Camera, FaceState, Frame, Progress
 
@@ -70,6 +75,9 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--video", metavar="FILE", type=Path, help="write the source beside the avatar: .mp4"
     )
+    parser.add_argument(
+        "--avatar", choices=list(AVATARS), default="own", help="the avatar of --video"
+    )
     parser.add_argument("--mode", choices=["trained"], default="trained", help="way of tracking")
     parser.add_argument("--frames", type=int, metavar="N", help="stop after N frames")
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")
@@ -90,18 +98,29 @@ def run(args: argparse.Namespace) -> int:
     from core.store import load
 
     profile = load(profile_folder(args.profile))
-    size_px = profile.camera.size_px
-    with open_source(args.source, size_px) as source, Outputs() as outputs:
-        tracker = live_tracker(load_models(), profile)
+    with ExitStack() as opened:
+        source = opened.enter_context(open_source(args.source, profile.camera.size_px))
+        outputs = opened.enter_context(Outputs())
+        models = load_models()
+        tracker = live_tracker(models, profile)
         for path in args.out:
             outputs.add(_file_sink(path, lambda: tracker.camera))
         if args.video:
-            outputs.add(_video_sink(args.video, source, profile))
-        with interrupt_ends(source.live) as stopped:
-            steps = track(source, tracker, outputs, args.frames, stopped)
-            summary = TerminalProgress(sys.stderr).follow(steps)
+            avatar = make_avatar(args.avatar, models.face_model, profile.user)
+            painter = AvatarPainter(avatar, seen_by(profile.camera, source.size_px))
+            opened.callback(painter.release)
+            video = SideBySideVideo(args.video, source.fps, source.size_px, painter.paint)
+            outputs.add(video)
+        stopped = opened.enter_context(interrupt_ends(source.live))
+        steps = track(source, tracker, outputs, args.frames, stopped)
+        summary = TerminalProgress(sys.stderr).follow(steps)
     _tell(summary, args)
     return 0
+
+
+def seen_by(camera: Camera, size_px: tuple[int, int]) -> Camera:
+    """Return the camera of the same view in pictures of another width."""
+    return camera_for(size_px, camera.focal_px * size_px[0] / camera.size_px[0])
 
 
 def track(
@@ -163,9 +182,6 @@ def _note(source: FrameSource, most_frames: int | None) -> str:
 
 
 def _file_sink(path: Path, camera: Callable[[], Camera]) -> Any:
-    from app.recording.table import Table
-    from app.recording.track_file import TrackFile
-
     return TrackFile(path, camera) if path.suffix.lower() == ARRAYS else Table(path)
 
 
