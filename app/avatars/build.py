@@ -1,21 +1,21 @@
 """Puts head, looks, hair and bust together into an avatar."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from app.avatars.assembly import Assembly
-from app.avatars.bust import Bust, fitted_bust, neck_uv
+from app.avatars.bust import fitted_bust, neck_uv
 from app.avatars.complexion import skin_texture
 from app.avatars.hair import CUTS, Scalp, combed, shell_mm, strands
 from app.avatars.head import eye_radii_mm, lid_rows, lip_rows, surface
 from app.avatars.looks import Looks
 from app.avatars.small_textures import cloth_texture, eye_texture, lash_texture
+from app.avatars.wardrobe import Wardrobe
 from app.render.avatar import Avatar, Eyes
 from app.render.scene import Material, Uniforms
 from core.face_model import FaceModel, eye_centers_mm
-from core.records import F32, U8, FloatArray
+from core.records import F32, FloatArray
 
 #: Radius of the iris.
 IRIS_MM = 6.3
@@ -23,25 +23,6 @@ IRIS_MM = 6.3
 PIVOT_MM = np.array([0.0, 62.0, 92.0])
 _INSIDE: Uniforms = {"gloss": 0.16, "roughness2": 0.02, "lit": 1.0}
 _CLOTH: Uniforms = {"gloss": 0.01, "roughness2": 0.3}
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Wardrobe:
-    """What all avatars share.
-
-    Attributes:
-        skin_maps: Folder of the skin's maps.
-        mouth: (S, S, 3) texture of teeth and tongue.
-        extra: (V, 4) hold and openness of the face model's vertices, see `Mesh`.
-        scalp: Where hair grows.
-        bust: Neck and shirt.
-    """
-
-    skin_maps: Path
-    mouth: U8
-    extra: F32
-    scalp: Scalp
-    bust: Bust
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,7 +46,7 @@ def dressed(head: Head, looks: Looks, wardrobe: Wardrobe, name: str) -> Avatar:
     model, neutral = head.model, head.neutral_mm
     assembly = Assembly(neutral, head.deltas_mm, wardrobe.extra)
     _add_skin(assembly, head, looks, wardrobe)
-    _add_mouth_and_lashes(assembly, model, looks, wardrobe, rng)
+    _add_mouth_and_lashes(assembly, model, looks, wardrobe)
     if looks.hair_style in CUTS:
         _add_hair(assembly, head, looks, wardrobe.scalp, rng)
     centers = eye_centers_mm(model, neutral)
@@ -102,16 +83,17 @@ def _add_mouth_and_lashes(
     model: FaceModel,
     looks: Looks,
     wardrobe: Wardrobe,
-    rng: np.random.Generator,
 ) -> None:
     """Add teeth, tongue and lashes."""
     inside = surface(model, "teeth", "tongue")
     assembly.add_surface(
-        Material("plain", wardrobe.mouth, _INSIDE, two_sided=True), inside.triangles, inside.uv
+        Material("plain", wardrobe.mouth, _INSIDE, two_sided=True, in_mouth=True),
+        inside.triangles,
+        inside.uv,
     )
     if looks.lashes > 0:
         lashes = surface(model, "lashes")
-        texture = lash_texture(looks.lashes, rng)
+        texture = lash_texture(wardrobe.lashes, looks.lashes)
         values: Uniforms = {"cutoff": 0.0, "shine": 0.1}
         material = Material("hair", texture, values, two_sided=True, blended=True)
         assembly.add_surface(material, lashes.triangles, lashes.uv)

@@ -8,7 +8,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from core.face_model import FaceModel
 from core.landmarks import NAMES
-from core.records import F32, I32, FloatArray
+from core.records import F32, I32, BoolArray, FloatArray
 
 #: How far above the neck's loop the body begins to hold the skin.
 _BEND_MM = 42.0
@@ -82,3 +82,23 @@ def eye_radii_mm(model: FaceModel, neutral: FloatArray, centers_mm: FloatArray) 
             for ball, center in zip(balls, centers_mm, strict=True)
         ]
     )
+
+
+#: Parts inside the mouth: depth in mm over which the light falls to a third, least light.
+_INNER = (("mouth", 13.0, 0.03), ("teeth", 25.0, 0.10), ("tongue", 20.0, 0.05))
+
+
+def inner_shade(model: FaceModel) -> tuple[BoolArray, F32]:
+    """Return which vertices (V,) lie inside the mouth, and how much light reaches them.
+
+    The lips are the window: what lies behind them darkens with the distance.
+    """
+    lips = model.mean_mm[lip_rows(model)].mean(axis=0)
+    away = np.linalg.norm((model.mean_mm - lips) * [0.8, 0.7, 1.0], axis=1)
+    skin = np.unique(model.triangles[model.part_triangles("skin")])
+    inside, shade = np.zeros(len(away), bool), np.ones(len(away), np.float32)
+    for part, reach_mm, least in _INNER:
+        rows = np.setdiff1d(np.unique(model.triangles[model.part_triangles(part)]), skin)
+        inside[rows] = True
+        shade[rows] = np.maximum(np.exp(-np.maximum(away[rows] - 7, 0) / reach_mm), least)
+    return inside, shade

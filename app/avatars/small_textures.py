@@ -76,22 +76,11 @@ def plain_texture(color: Color) -> U8:
     return np.full((2, 2, 3), color, np.uint8)
 
 
-def lash_texture(strength: float, rng: np.random.Generator) -> U8:
-    """Return lashes growing from the bottom (v = 1) up, (64, 1024, 4) uint8."""
-    coverage = np.zeros((64 * 2, 1024), np.uint8)
-    for _ in range(150):
-        x, lean = rng.uniform(0, 1024), rng.normal(0, 10)
-        steps = np.linspace(0, 1, 5)
-        tall = rng.uniform(70, 118)
-        line = np.column_stack([x + lean * steps**2 * 1.5, 127 - tall * steps])
-        for part in range(4):
-            pair = np.round(line[part : part + 2] * 16).astype(np.int32)
-            level = int(255 * (1 - 0.2 * part))
-            cv2.polylines(coverage, [pair], False, level, 3 if part < 2 else 2, cv2.LINE_AA, 4)
-    small = cv2.resize(coverage, (1024, 64), interpolation=cv2.INTER_AREA)
-    out = np.zeros((64, 1024, 4), np.uint8)
-    out[..., :3] = (22, 16, 14)
-    out[..., 3] = np.clip(small * (0.5 + strength), 0, 255)
+def lash_texture(coverage: U8, strength: float) -> U8:
+    """Return lashes, (S, S, 4) uint8, of the painted coverage (S, S) at a strength."""
+    out = np.empty((*coverage.shape, 4), np.uint8)
+    out[..., :3] = (20, 15, 13)
+    out[..., 3] = np.clip(coverage * (0.35 + 0.8 * strength), 0, 255)
     return out
 
 

@@ -76,7 +76,7 @@ class Puppet:
         self._morph(weights)
         mouth: Uniforms = {"lit": self._light_in_mouth()}
         items = [
-            Item(drawable, head_to_camera, body_to_camera, mouth if "lit" in drawable.material.values else {})
+            Item(drawable, head_to_camera, body_to_camera, mouth if drawable.material.in_mouth else {})
             for drawable in self._drawables
         ]
         return items + [

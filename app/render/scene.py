@@ -51,6 +51,7 @@ class Material:
         two_sided: Also drawn from behind.
         blended: Mixed with what is behind it; drawn after all that is not.
         repeated: The texture goes on beyond its edges.
+        in_mouth: Lit through the lips: a puppet sets the uniform `lit` by how far they open.
     """
 
     shader: str
@@ -59,6 +60,7 @@ class Material:
     two_sided: bool = False
     blended: bool = False
     repeated: bool = False
+    in_mouth: bool = False
 
     def __post_init__(self) -> None:
         freeze(self, texture=(np.uint8, ("H", "W", "C")))

@@ -46,7 +46,7 @@ class Target:
     def read_depth(self) -> F32:
         """Return OpenGL's depth in [0, 1], (H, W) float32, 1 where nothing was drawn."""
         width, height = self._size_px
-        data = self._plain.read(attachment=-1, dtype="f4")
+        data = self._plain.read(components=1, attachment=-1, dtype="f4")
         return np.frombuffer(data, np.float32).reshape(height, width)
 
     def release(self) -> None:

@@ -15,7 +15,9 @@ from assets.build.face_model.source import Wheel
 from assets.build.face_model.texture_space import warp_body_picture
 from assets.build.textures_canvas import Canvas, canvas_of
 from assets.build.textures_hair import brows, scalp, stubble
+from assets.build.textures_lashes import lash_coverage
 from assets.build.textures_lines import lash_line, wrinkles
+from assets.build.textures_mouth import mouth_texture
 from core.face_model import FaceModel, load_face_model
 from core.landmarks import NAMES
 
@@ -32,6 +34,9 @@ def main(wheel_path: str) -> None:
     lips = region(wheel, "lips")
     OUT.mkdir(parents=True, exist_ok=True)
     rng = np.random.default_rng(20)
+    write_picture("mouth", mouth_texture(model, 768, rng))
+    lashes = lash_coverage(model, 1024, rng)
+    write_picture("lashes", np.repeat(lashes[..., None], 3, axis=2))
     write("lips", cv2.GaussianBlur(lips, (0, 0), 2.2), 1024)
     write("lids", cv2.GaussianBlur(region(wheel, "eyelids"), (0, 0), 7), 1024)
     write("lashline", lash_line(canvas, model), 2048)
@@ -51,6 +56,14 @@ def write(name: str, values: np.ndarray, size_px: int) -> None:
     picture = np.clip(np.round(small * 255), 0, 255).astype(np.uint8)
     path = OUT / f"{name}.jpg"
     cv2.imwrite(str(path), picture, [cv2.IMWRITE_JPEG_QUALITY, 78, cv2.IMWRITE_JPEG_OPTIMIZE, 1])
+    print(f"{path.name}: {path.stat().st_size // 1000} KB")
+
+
+def write_picture(name: str, values: np.ndarray) -> None:
+    """Write a texture with values in [0, 1] beside the maps."""
+    picture = np.clip(np.round(values[..., ::-1] * 255), 0, 255).astype(np.uint8)
+    path = OUT.parent / f"{name}.jpg"
+    cv2.imwrite(str(path), picture, [cv2.IMWRITE_JPEG_QUALITY, 85])
     print(f"{path.name}: {path.stat().st_size // 1000} KB")
 
 
