@@ -75,7 +75,7 @@ class VirtualPerformer(ClosedOnExit):
 
     def read(self) -> Frame | None:
         """Return the next frame, None after the last one of a take that does not loop."""
-        index = self._pacer.next_index() if self.live else self._index
+        index = self._due() if self.live else self._index
         self._index = index + 1
         if self._thread is None or (index >= self.n_frames and not self._filming.loop):
             return None
@@ -107,6 +107,12 @@ class VirtualPerformer(ClosedOnExit):
         """Return the time in the take of a frame, which may be of a later round."""
         return float((index % self.n_frames) / FPS) if self._filming.loop else index / FPS
 
+    def _due(self) -> int:
+        """Wait for the next frame of a live take; its clock starts when all is set up."""
+        if self._thread is not None and self._stage is None:
+            self._thread.submit(self._build).result()
+        return self._pacer.next_index()
+
     def _claim(self, index: int) -> "Future[Frame]":
         """Return the frame that is being made, or have it made."""
         if self._thread is None:
@@ -117,8 +123,6 @@ class VirtualPerformer(ClosedOnExit):
 
     def _make(self, index: int) -> Frame:
         """Return a frame; in the thread of the renderer only."""
-        if self._stage is None:
-            self._stage = Stage(self._setting)
         rgb = self._sensor.develop(self._exposed(self._time_s(index)), index / FPS, index)
         gray = np.asarray(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), np.uint8)
         return Frame(rgb, gray, index / FPS, index)
@@ -131,7 +135,9 @@ class VirtualPerformer(ClosedOnExit):
             for share in (-0.5, 0.5)
         ]
         way_px = float(np.abs(ends[1] - ends[0]).max())
-        steps = int(np.clip(np.ceil(way_px / self._filming.blur_step_px), 1, self._filming.most_steps))
+        steps = int(
+            np.clip(np.ceil(way_px / self._filming.blur_step_px), 1, self._filming.most_steps)
+        )
         shares = (np.arange(steps) + 0.5) / steps - 0.5
         if steps == 1:
             return self._clean(time_s)
@@ -142,9 +148,13 @@ class VirtualPerformer(ClosedOnExit):
 
     def _clean(self, time_s: float) -> U8:
         truth = self._script.truth(time_s)
+        posture = self._script.posture(time_s)
+        return self._build().shoot(truth.expression, truth.gaze_rad, posture)
+
+    def _build(self) -> Stage:
         if self._stage is None:
-            raise ValueError("the stage is built in the thread that draws")
-        return self._stage.shoot(truth.expression, truth.gaze_rad, self._script.posture(time_s))
+            self._stage = Stage(self._setting)
+        return self._stage
 
     def _release(self) -> None:
         if self._stage is not None:
