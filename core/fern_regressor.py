@@ -92,6 +92,10 @@ class FernRegressor:
             check_level=(np.float64, ()),
             check_softening=(np.float64, ()),
         )
+        n_leaves = 2 ** self.pairs.shape[2]
+        if self.leaves.shape[2] != n_leaves:
+            found = f"{self.leaves.shape[2]} leaves per fern"
+            raise ArrayShapeError("FernRegressor.leaves", found, f"{n_leaves}")
         n_shape_points, n_points = self.shapes_mm.shape[1], self.corners.shape[1]
         self._check_indices("corners", n_shape_points)
         self._check_indices("check_corners", n_shape_points)
