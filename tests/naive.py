@@ -82,7 +82,9 @@ def one_pass(regressor, camera, gray, previous_mm, n_runs, use_median):
     rotation = register_rigid(centred, nearest)[0]
     turned = centred @ rotation.T
     space = (originals[:, None] + regressor.translations_mm[:, None]).reshape(-1, *turned.shape)
-    order = np.argsort(((space - turned) ** 2).sum(axis=(1, 2)), kind="stable")
+    # A shape moved one way is exactly as far as moved the other way: rounded, the first wins.
+    distances = np.round(((space - turned) ** 2).sum(axis=(1, 2)), 6)
+    order = np.argsort(distances, kind="stable")
     runs = [
         _regress(regressor, camera, gray, space[start].copy(), rotation, center)
         for start in order[:n_runs]
