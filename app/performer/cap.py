@@ -13,7 +13,7 @@ _FRONT_MM, _FALL = 66.0, 0.42
 _THICK_MM, _TOP_MM = 9.0, 7.0
 
 
-def cap_mesh(scalp: Scalp, head_mm: FloatArray, mean_mm: FloatArray) -> Mesh:
+def cap_mesh(scalp: Scalp, head_mm: FloatArray, mean_mm: F32) -> Mesh:
     """Return a cap that fits a head.
 
     Args:

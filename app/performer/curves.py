@@ -63,7 +63,7 @@ def wander(times_s: FloatArray, rng: np.random.Generator, periods_s: FloatArray)
         phase = rng.uniform(0, 2 * np.pi)
         wave = np.sin(2 * np.pi * cycles * (times_s - times_s[0]) / duration + phase)
         total += rng.uniform(0.6, 1.0) * (wave - np.sin(phase))
-    return total / max(1.0, np.sqrt(len(periods_s)))
+    return np.asarray(total / max(1.0, np.sqrt(len(periods_s))))
 
 
 def blinks(times_s: FloatArray, rng: np.random.Generator, mean_gap_s: float) -> FloatArray:

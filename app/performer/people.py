@@ -115,6 +115,10 @@ def unlike_the_model(
     places = _steady_around_eyes(person.neutral_mm, model)
     neutral = person.neutral_mm + size_mm * _smooth_field(places, rng, 3)
     stronger = 1 + 0.1 * _smooth_field(places, rng, len(person.deltas_mm))
+    index = {name: b for b, name in enumerate(EXPRESSION_NAMES)}
+    # Whoever shuts an eye shuts it all the way, and lips close what the jaw has opened.
+    stronger[:, [index["eyeBlinkLeft"], index["eyeBlinkRight"]]] = 1.0
+    stronger[:, index["mouthClose"]] = stronger[:, index["jawOpen"]]
     deltas = person.deltas_mm * stronger.T[:, :, None]
     origin = neutral[model.eye_center_vertices].mean(axis=0)
     return Person(person.name, neutral - origin, deltas.astype(np.float32))

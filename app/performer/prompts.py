@@ -40,7 +40,7 @@ def setup_take(seed: int = 0, shots: Sequence[Shot] = SHOTS) -> PromptedTake:
     """
     rng = np.random.default_rng([seed, *b"setup"])
     poses = [_attempt(shot, rng) for shot in shots]
-    starts_s = 0.3 + np.arange(len(poses)) * (MOVE_S + HOLD_S)
+    starts_s = np.asarray(0.3 + np.arange(len(poses)) * (MOVE_S + HOLD_S), np.float64)
     knots, path = [0.0], [np.zeros_like(poses[0])]
     for start, pose in zip(starts_s, poses, strict=True):
         knots += [start, start + MOVE_S]
@@ -52,7 +52,7 @@ def setup_take(seed: int = 0, shots: Sequence[Shot] = SHOTS) -> PromptedTake:
     act = acts.Act(np.clip(moved[:, :-6], 0, 1), moved[:, -6:-3], moved[:, -3:])
     take = animate("setup", act, _lids(times, starts_s, rng), rng, liveliness=0.35)
     names = tuple(shot.name for shot in shots)
-    return PromptedTake(take, names, starts_s + MOVE_S + PICTURE_S)
+    return PromptedTake(take, names, np.asarray(starts_s + MOVE_S + PICTURE_S, np.float64))
 
 
 def _attempt(shot: Shot, rng: np.random.Generator) -> FloatArray:

@@ -75,7 +75,7 @@ class Sensor:
         beat = 0.4 * np.sin(2 * np.pi * 1.3 * time_s + self._phases[2])
         hunt = 0.6 * np.sin(2 * np.pi * 0.17 * time_s + self._phases[3])
         gain = 1 + self.settings.flicker * (beat + hunt)
-        return np.clip(np.arange(256) * gain + 0.5, 0, 255).astype(np.uint8)
+        return np.asarray(np.clip(np.arange(256) * gain + 0.5, 0, 255).astype(np.uint8))
 
     def _add_noise(self, picture: U8, index: int) -> U8:
         """Return the picture with read noise and shot noise."""
@@ -106,4 +106,5 @@ def _through_jpeg(picture: U8, quality: int) -> U8:
     # The coder takes what it gets for BGR: the planes must be in that order for its chroma.
     bgr = np.ascontiguousarray(picture[..., ::-1])
     coded = cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, quality])[1]
-    return np.ascontiguousarray(cv2.imdecode(coded, cv2.IMREAD_COLOR)[..., ::-1])
+    decoded = np.asarray(cv2.imdecode(coded, cv2.IMREAD_COLOR), np.uint8)
+    return np.ascontiguousarray(decoded[..., ::-1])

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.avatars.build import Head, Wardrobe, dressed
+from app.avatars.build import Head, dressed
+from app.avatars.wardrobe import Wardrobe
 from app.performer.cap import cap_mesh, knit
 from app.performer.people import CAST, Person
 from app.performer.posture import Posture
-from app.render.drawable import Drawable
 from app.render.puppet import Puppet
 from app.render.renderer import Item, Renderer, Scene
 from app.render.scene import Lights, View
@@ -47,7 +47,7 @@ class Stage:
         head = Head(model, person.neutral_mm, person.deltas_mm)
         avatar = dressed(head, role.looks, setting.wardrobe, person.name)
         self._puppet = Puppet(self._renderer, avatar)
-        self._worn: list[Drawable] = []
+        self._worn = []
         if role.cap is not None:
             cap = cap_mesh(setting.wardrobe.scalp, person.neutral_mm, model.mean_mm)
             wool = knit(role.cap, np.random.default_rng(role.row))

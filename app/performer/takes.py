@@ -133,11 +133,12 @@ def eyes_towards(targets_rad: FloatArray, head_rad: FloatArray) -> FloatArray:
     """
     gaze = np.empty((len(head_rad), 2))
     for k, (target, head) in enumerate(zip(targets_rad, head_rad, strict=True)):
-        direction = matrix_from_head_angles(*target, 0.0)[:, 2]
-        x, y, z = matrix_from_head_angles(*head).T @ -direction
+        direction = matrix_from_head_angles(target[0], target[1], 0.0)[:, 2]
+        x, y, z = matrix_from_head_angles(head[0], head[1], head[2]).T @ -direction
         gaze[k] = np.arctan2(x, -z), np.arcsin(np.clip(-y, -1, 1))
     gaze = _EYE_LIMIT_RAD * np.tanh(gaze / _EYE_LIMIT_RAD)
-    return gaze[:, None, :] + np.array([[_VERGENCE_RAD, 0.0], [-_VERGENCE_RAD, 0.0]])
+    converging = np.array([[_VERGENCE_RAD, 0.0], [-_VERGENCE_RAD, 0.0]])
+    return np.asarray(gaze[:, None, :] + converging)
 
 
 def blend_lids(lids: FloatArray, follow: FloatArray) -> FloatArray:

@@ -77,9 +77,9 @@ def neck(wheel: Wheel, mesh: ObjMesh, points: np.ndarray) -> tuple[np.ndarray, n
     kept = []
     for face in mesh.faces["body"]:
         vertices = [v for v, _ in face]
-        outside = not all(v in inside for v in vertices) or min(
-            sum(weights.values())[vertices]
-        ) <= 0.5
+        outside = (
+            not all(v in inside for v in vertices) or min(sum(weights.values())[vertices]) <= 0.5
+        )
         middle = points[vertices].mean(axis=0)
         if outside and abs(middle[0]) < 100 and below_neckline_mm(middle[None])[0] < 45:
             kept.append(vertices)

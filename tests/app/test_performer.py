@@ -108,7 +108,7 @@ def test_expressions_use_every_coefficient():
 
 
 def test_an_unknown_take_is_named():
-    with pytest.raises(ValueError, match="'waltz'.*talking"):
+    with pytest.raises(ValueError, match=r"'waltz'.*talking"):
         make_take("waltz")
 
 
@@ -227,7 +227,7 @@ def test_nobody_in_the_cast_is_in_the_span_of_the_model(name, model):
 
 
 def test_nobody_else_can_be_cast(model):
-    with pytest.raises(ValueError, match="'nobody'.*mara"):
+    with pytest.raises(ValueError, match=r"'nobody'.*mara"):
         load_person(asset("people.npz"), model, "nobody")
 
 
@@ -245,3 +245,19 @@ def test_truth_is_the_person_posed(model):
     yaw = np.arctan2(sight[:, 0], -sight[:, 2])
     np.testing.assert_allclose(yaw, truth.gaze_rad[:, 0], atol=1e-6)
     np.testing.assert_allclose(np.arcsin(-sight[:, 1]), truth.gaze_rad[:, 1], atol=1e-6)
+
+
+@pytest.mark.parametrize("name", sorted(CAST))
+def test_changed_shapes_still_shut_eyes_and_lips(name, model):
+    person = load_person(asset("people.npz"), model, name)
+    with np.load(asset("people.npz")) as data:
+        plain = data["deltas_mm"][CAST[name].row].astype(np.float32)
+    before, after = (np.linalg.norm(d, axis=2) for d in (plain, person.deltas_mm))
+    every = np.where(before > 1, after / before.clip(1e-9), np.nan)
+    shapes = ("eyeBlinkLeft", "jawOpen", "mouthClose", "mouthSmileLeft")
+    ratio = {shape: every[EXPRESSION_NAMES.index(shape)] for shape in shapes}
+    assert np.nanmax(np.abs(ratio["eyeBlinkLeft"] - 1)) < 1e-5
+    both = np.isfinite(ratio["jawOpen"]) & np.isfinite(ratio["mouthClose"])
+    assert both.sum() > 20
+    np.testing.assert_allclose(ratio["jawOpen"][both], ratio["mouthClose"][both], rtol=1e-4)
+    assert np.nanmax(np.abs(ratio["mouthSmileLeft"] - 1)) > 0.03
