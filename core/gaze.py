@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from core.kernels.gaze import join_eyes, move_gaze, pupil_direction
 from core.records import FloatArray
 
 
@@ -48,17 +49,10 @@ def pupil_directions(
         centers_mm: (2, 3) eyeball centres in the head frame.
         radii_mm: (2,) distance of each pupil from its eyeball's centre.
     """
-    rays = pupils_mm @ pose[:3]
-    rays = rays / np.sqrt((rays * rays).sum(axis=1, keepdims=True))
-    to_center = centers_mm + pose[3] @ pose[:3]
-    along = (rays * to_center).sum(axis=1)
-    miss_squared = (to_center * to_center).sum(axis=1) - along * along
-    # A ray beside the eyeball is noise: its nearest point stands in for the rim.
-    depth = np.sqrt(np.maximum(radii_mm * radii_mm - miss_squared, 0.0))
-    direction = (along - depth)[:, None] * rays - to_center
-    forward = np.hypot(direction[:, 0], direction[:, 2])
-    yaw = np.arctan2(direction[:, 0], -direction[:, 2])
-    return np.stack([yaw, np.arctan2(-direction[:, 1], forward)], axis=1)
+    out, work = np.empty((2, 2)), np.empty((2, 3))
+    for eye in range(2):
+        pupil_direction(pupils_mm[eye], pose, centers_mm[eye], radii_mm[eye], work, out[eye])
+    return out
 
 
 class GazeFilter:
@@ -67,6 +61,7 @@ class GazeFilter:
     def __init__(self, settings: GazeSettings | None = None) -> None:
         self._settings = settings or GazeSettings()
         self._gaze_rad, self._speed = np.zeros((2, 2)), np.zeros((2, 2))
+        self._wanted_rad = np.zeros((2, 2))
         self._time_s: float | None = None
 
     def reset(self) -> None:
@@ -83,32 +78,20 @@ class GazeFilter:
         """
         settings = self._settings
         span = settings.closed_blink - settings.open_blink
-        openness = np.clip((settings.closed_blink - blinks) / span, 0.0, 1.0)
+        openness = np.minimum(np.maximum((settings.closed_blink - blinks) / span, 0.0), 1.0)
         gap_s = np.inf if self._time_s is None else time_s - self._time_s
         self._time_s = time_s
-        if openness.max() <= 0:
-            return self._gaze_rad.copy()
-        wanted = np.clip(
-            self._joined(directions_rad, openness), -settings.limit_rad, settings.limit_rad
-        )
-        if not 0 < gap_s <= settings.longest_step_s:
-            self._gaze_rad, self._speed = wanted, np.zeros((2, 2))
-        else:
-            self._move(wanted, gap_s, float(openness.max()))
+        if openness.max() > 0:
+            wanted = self._wanted_rad
+            join_eyes(directions_rad, openness, settings.own_share, settings.limit_rad, wanted)
+            self._move(gap_s, float(openness.max()))
         return self._gaze_rad.copy()
 
-    def _joined(self, directions_rad: FloatArray, openness: FloatArray) -> FloatArray:
-        """Return both eyes' directions, mostly what they have in common."""
-        common = (openness[:, None] * directions_rad).sum(axis=0) / openness.sum()
-        own = openness[:, None] * (directions_rad - common) * (self._settings.own_share, 0.0)
-        return np.asarray(common + own)
-
-    def _move(self, wanted_rad: FloatArray, gap_s: float, openness: float) -> None:
-        """Move the filtered gaze towards the wanted one, faster in a saccade."""
+    def _move(self, gap_s: float, openness: float) -> None:
+        """Move the filtered gaze towards the wanted one."""
         settings = self._settings
-        innovation = wanted_rad - self._gaze_rad
-        self._speed = self._speed + 0.5 * (innovation / gap_s - self._speed)
-        speed = float(np.sqrt((self._speed**2).sum(axis=1).max()))
-        cutoff_hz = openness * (settings.cutoff_hz + settings.cutoff_per_speed * speed)
-        share = 1.0 - np.exp(-2.0 * np.pi * cutoff_hz * gap_s)
-        self._gaze_rad = self._gaze_rad + share * innovation
+        if not 0 < gap_s <= settings.longest_step_s:
+            self._gaze_rad[:], self._speed[:] = self._wanted_rad, 0
+            return
+        cutoffs = openness * np.array([settings.cutoff_hz, settings.cutoff_per_speed])
+        move_gaze(self._wanted_rad, gap_s, cutoffs, self._gaze_rad, self._speed)

@@ -27,7 +27,7 @@ from core.animation_prior import N_LAGS, AnimationPrior, conditional_tables
 from core.arkit import EXPRESSION_NAMES
 from core.gaze import GazeFilter, GazeSettings, pupil_directions
 from core.geometry import quaternion_from_matrix
-from core.kernels.tracking import FaceTables, PriorTables, Workspace, track
+from core.kernels.tracking import FaceTables, PriorTables, Workspace, sample_history, track
 from core.landmarks import GROUPS
 from core.pose_filter import PoseFilter, PoseFilterSettings
 from core.records import FloatArray, freeze
@@ -82,7 +82,7 @@ class TrackerSettings:
         gaze: How gaze is measured and filtered.
     """
 
-    noise_mm: float = 0.16
+    noise_mm: float = 0.2
     distance_mm: float = 600.0
     prior_weight: float = 1.0
     sparsity: float = 0.3
@@ -228,12 +228,11 @@ class History:
 
     def sample(self, time_s: float, first_lag: int) -> FloatArray:
         """Return the expressions (N_LAGS + 1 - first_lag, B) at the lags before `time_s`."""
-        times, values = self._times_s[: self._count], self._values[: self._count]
-        wanted = time_s - self._frame_s * np.arange(first_lag, N_LAGS + 1)
-        after = np.clip(np.searchsorted(times, wanted), 1, max(self._count - 1, 1))
-        before = after - 1
-        phase = np.clip((wanted - times[before]) / (times[after] - times[before]), 0.0, 1.0)
-        return np.asarray(values[before] + phase[:, None] * (values[after] - values[before]))
+        out = np.empty((N_LAGS + 1 - first_lag, self._values.shape[1]))
+        if first_lag <= N_LAGS:
+            newest = time_s - self._frame_s * first_lag
+            sample_history(self._times_s, self._values, self._count, newest, self._frame_s, out)
+        return out
 
 
 class Tracker:

@@ -212,6 +212,28 @@ def express(
                     out[k, d] += a * deltas[b, k, d]
 
 
+@numba.njit(cache=True, nogil=True)
+def sample_history(
+    times: FloatArray,  # (M,) rising
+    values: FloatArray,  # (M, B)
+    count: int,  # of the M that are filled, at least 2
+    newest: float,  # time of the first row of the result
+    step: float,  # time between rows of the result, into the past
+    out: FloatArray,  # (lags, B)
+) -> None:
+    """Write the values at regular times, interpolated, held beyond both ends."""
+    after = count - 1
+    for lag in range(out.shape[0]):
+        wanted = newest - lag * step
+        while after > 1 and times[after - 1] >= wanted:
+            after -= 1
+        span = times[after] - times[after - 1]
+        phase = min(max((wanted - times[after - 1]) / span, 0.0), 1.0)
+        for b in range(out.shape[1]):
+            before = values[after - 1, b]
+            out[lag, b] = before + phase * (values[after, b] - before)
+
+
 @numba.njit(cache=True, nogil=True, fastmath=REORDER)
 def condition(
     prior: PriorTables,

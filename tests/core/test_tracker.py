@@ -202,7 +202,7 @@ def test_a_jaw_that_opens_in_one_frame_does_not_pull_the_head_with_it():
     settled(tracker, shape_of(model, np.zeros(N), pose))
     tracker.step(shape_of(model, expression(jawOpen=0.9), pose), 6 / FPS)
     angles = np.rad2deg(head_angles_from_matrix(tracker.state.pose[:3]))
-    assert np.abs(angles).max() < 0.3
+    assert np.abs(angles).max() < 0.5
     assert tracker.state.rms_mm < 0.2
 
 
