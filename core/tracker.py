@@ -272,11 +272,15 @@ class Tracker:
             points_mm: (L + 2, 3) the regressed shape in the camera frame, pupils last.
             time_s: Time of the frame; earlier than the last one's starts anew.
             confidence: In (0, 1], scales the data against the prior.
+
+        Raises:
+            ValueError: Another number of points, or one that is not finite.
         """
         if time_s <= self._last_s:
             self.reset()
         self._last_s = time_s
         points = np.ascontiguousarray(points_mm, float)
+        self._check(points)
         self._solve(points[:-2], time_s, confidence)
         self._history.append(time_s, self._expression)
         rotation = quaternion_from_matrix(self._pose[:3])
@@ -286,6 +290,12 @@ class Tracker:
         )
         gaze = self._gaze_filter.step(directions, self._expression[BLINKS], time_s)
         return TrackedFace(rotation, translation, self._expression.copy(), gaze)
+
+    def _check(self, points: FloatArray) -> None:
+        """Refuse points that would spoil the history."""
+        promised = (self._model.neutral_mm.shape[0] + 2, 3)
+        if points.shape != promised or not np.isfinite(points).all():
+            raise ValueError(f"tracker needs {promised[0]} finite points, got {points.shape}")
 
     def _solve(self, points: FloatArray, time_s: float, confidence: float) -> None:
         """Find pose and expression of the points."""
