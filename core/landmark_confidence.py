@@ -14,11 +14,11 @@ from core.outline import Lines
 from core.records import I32, BoolArray, FloatArray, freeze
 
 #: Cosine between the skin's normal and the view below which a point is hidden, and above which
-#: it is well seen. The network underestimates large turns by about a fifth.
-_FACING = (0.05, 0.4)
+#: it is well seen. The network finds points just behind the edge nearly as well as others.
+_FACING = (-0.1, 0.3)
 #: Opening of the lids in parts of the eye's width: no iris to be seen, and enough of it. Open
 #: eyes have 0.25 to 0.4, closed ones 0.02 to 0.1.
-_OPENING = (0.08, 0.16)
+_OPENING = (0.1, 0.2)
 #: The outline is no mark on the skin: where along it a landmark lies is a convention.
 _OUTLINE = 0.6
 #: On a head turned by the sine s, what is left of that is 1 - 0.75 s on the near side, where the
