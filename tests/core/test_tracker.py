@@ -8,6 +8,7 @@ from assets.build.animation_events import Event, play
 from assets.build.animation_script import scene
 from core.animation_prior import N_LAGS, conditional_tables
 from core.arkit import EXPRESSION_NAMES, mirror_permutation
+from core.expression_history import History
 from core.geometry import (
     head_angles_from_matrix,
     matrix_from_quaternion,
@@ -22,7 +23,6 @@ from core.kernels.tracking import (
     register,
 )
 from core.tracker import (
-    History,
     Tracker,
     TrackerSettings,
     face_tables,
