@@ -1,7 +1,11 @@
 #version 330
-#include "lighting.glsl"
+#include "lights.glsl"
+#include "surface.glsl"
 // An eyeball: wet, with a cornea that bulges, an iris that lies deeper than the surface, and
 // the shade of the lids on it.
+in vec3 v_position;  // mm, camera frame
+in vec3 v_model;  // mm, model frame
+
 uniform sampler2D color_map;  // front view: distance from the centre = angle from the axis
 uniform mat3 axes;  // columns: x, y and outward axis of the eye, camera frame
 uniform vec3 center;  // of the eyeball, model frame

@@ -17,9 +17,7 @@ class Assembly:
         self._surfaces: list[tuple[Material, I32, F32]] = []
         self._count = len(neutral_mm)
 
-    def add_vertices(
-        self, points_mm: FloatArray, extra: F32, deltas_mm: F32 | None = None
-    ) -> int:
+    def add_vertices(self, points_mm: FloatArray, extra: F32, deltas_mm: F32 | None = None) -> int:
         """Add vertices (n, 3) with their `Mesh.extra` (n, 4); return the number of the first.
 
         Without deltas (46, n, 3) no expression moves them.

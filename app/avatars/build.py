@@ -21,8 +21,6 @@ from core.records import F32, FloatArray
 IRIS_MM = 6.3
 #: Where the skull turns on the neck, for the mean head.
 PIVOT_MM = np.array([0.0, 62.0, 92.0])
-_INSIDE: Uniforms = {"gloss": 0.16, "roughness2": 0.02, "lit": 1.0}
-_CLOTH: Uniforms = {"gloss": 0.01, "roughness2": 0.3}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,7 +72,7 @@ def _add_skin(assembly: Assembly, head: Head, looks: Looks, wardrobe: Wardrobe) 
     first = assembly.add_vertices(shirt_mm, _extra(np.ones((len(shirt_mm), 2))))
     cloth = cloth_texture(looks.shirt, np.random.default_rng(3))
     uv = shirt_mm[bust.shirt_triangles][..., :2] / 64 + 16
-    material = Material("plain", cloth, _CLOTH | {"lit": 1.0}, two_sided=True, repeated=True)
+    material = Material("plain", cloth, repeated=True)
     assembly.add_surface(material, bust.shirt_triangles + np.int32(first), uv.astype(np.float32))
 
 
@@ -87,7 +85,7 @@ def _add_mouth_and_lashes(
     """Add teeth, tongue and lashes."""
     inside = surface(model, "teeth", "tongue")
     assembly.add_surface(
-        Material("plain", wardrobe.mouth, _INSIDE, two_sided=True, in_mouth=True),
+        Material("wet", wardrobe.mouth, two_sided=True, in_mouth=True),
         inside.triangles,
         inside.uv,
     )

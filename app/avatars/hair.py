@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, vstack
 
 from app.avatars.hairline import above_hairline_mm
-from app.avatars.looks import Looks
+from app.avatars.looks import Looks, rgb
 from app.render.scene import Material, Uniforms
 from core.face_model import FaceModel
 from core.kernels.morph import vertex_normals
@@ -34,8 +34,8 @@ class Cut:
 
 
 CUTS: dict[str, Cut] = {
-    "short": Cut(19.0, 8.0, ((0.55, 0.0), (0.85, 0.35), (1.0, 0.6))),
-    "cropped": Cut(6.0, 4.0, ((0.5, 0.0), (1.0, 0.45))),
+    "short": Cut(19.0, 8.0, ((0.78, 0.0), (1.0, 0.5))),
+    "cropped": Cut(6.0, 4.0, ((0.6, 0.0), (1.0, 0.5))),
 }
 
 
@@ -150,7 +150,7 @@ def strands(looks: Looks, sparse: float, rng: np.random.Generator) -> Material:
     drift = cv2.resize(rng.normal(size=(10, 512)), shape[::-1], interpolation=cv2.INTER_CUBIC)
     field = cv2.GaussianBlur(fine + 1.1 * locks + 0.9 * drift, (0, 0), 0.9)
     field = (field - field.mean()) / field.std()
-    color = np.float32(looks.hair) * (0.98 + 0.17 * field[..., None])
+    color = rgb(*looks.hair) * (0.98 + 0.17 * field[..., None])
     threshold = np.quantile(field, sparse) if sparse else -9.0
     coverage = np.clip(0.5 + 0.8 * (field - threshold), 0, 1)
     picture = np.concatenate([color, 255 * coverage[..., None]], axis=2)

@@ -41,7 +41,7 @@ def neck_loop(model: FaceModel) -> I32:
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     unique, count = np.unique(edges, axis=0, return_counts=True)
     border = np.unique(unique[count == 1])
-    return border[model.mean_mm[border, 1] > 50].astype(np.int32)
+    return np.asarray(border[model.mean_mm[border, 1] > 50], np.int32)
 
 
 def holds(model: FaceModel) -> F32:

@@ -2,6 +2,10 @@
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from core.records import F32
+
 #: Colours are (red, green, blue) in 0..255 as displayed.
 Color = tuple[int, int, int]
 
@@ -67,3 +71,13 @@ LOOKS: dict[str, Looks] = {
     "brown old": _BROWN.changed(age=0.9, hair=(116, 112, 110), brows=(84, 78, 74)),
     "deep old": _DEEP.changed(age=0.9, hair=(110, 108, 108), brows=(80, 76, 74)),
 }
+
+
+def rgb(*values: float) -> F32:
+    """Return numbers as an array of the type that colours are mixed in."""
+    return np.array(values, np.float32)
+
+
+def linear(color: Color) -> F32:
+    """Return the linear value (3,) of a displayed colour; our gamma is 2."""
+    return np.square(rgb(*color) / 255)

@@ -3,13 +3,13 @@
 import cv2
 import numpy as np
 
-from app.avatars.looks import Color
+from app.avatars.looks import Color, linear, rgb
 from app.render.eyeball import EDGE_RAD
 from core.records import F32, U8
 
 
 def eye_texture(
-    iris: Color, iris_mm: float, radius_mm: float, rng: np.random.Generator, size_px: int = 768
+    iris: Color, iris_mm: float, radius_mm: float, rng: np.random.Generator, size_px: int = 512
 ) -> U8:
     """Return the front view of an eyeball, (S, S, 3) uint8: veined white, iris, pupil.
 
@@ -26,17 +26,17 @@ def eye_texture(
     turn = np.arctan2(y, x)
     reach = angle / np.arcsin(iris_mm / radius_mm)  # 1 at the rim of the iris
     white = _sclera(angle, size_px, rng)
-    colored = _iris(reach, turn, np.square(np.float32(iris) / 255), rng)
+    colored = _iris(reach, turn, linear(iris), rng)
     rim = np.clip((1.03 - reach) / 0.07, 0, 1)[..., None]
     rim = rim * rim * (3 - 2 * rim)
-    linear = white * (1 - rim) + colored * rim
-    return np.asarray((255 * np.sqrt(np.clip(linear, 0, 1)) + 0.5).astype(np.uint8))
+    color = white * (1 - rim) + colored * rim
+    return np.asarray((255 * np.sqrt(np.clip(color, 0, 1)) + 0.5).astype(np.uint8))
 
 
 def _sclera(angle: F32, size_px: int, rng: np.random.Generator) -> F32:
     """Return linear colours of the white: warmer and redder away from the iris, with veins."""
     far = np.clip((angle - 0.35) / 0.9, 0, 1)[..., None]
-    white = np.float32([0.70, 0.67, 0.645]) * (1 - far) + np.float32([0.60, 0.42, 0.37]) * far
+    white = rgb(0.70, 0.67, 0.645) * (1 - far) + rgb(0.60, 0.42, 0.37) * far
     veins = np.zeros((size_px, size_px), np.uint8)
     for _ in range(90):
         start, heading = rng.uniform(0, 2 * np.pi), np.pi + rng.normal(0, 0.25)
@@ -51,7 +51,7 @@ def _sclera(angle: F32, size_px: int, rng: np.random.Generator) -> F32:
         pixels = np.round((np.array(points) + 1) / 2 * size_px * 16).astype(np.int32)
         cv2.polylines(veins, [pixels], False, int(rng.integers(40, 150)), 1, cv2.LINE_AA, 4)
     red = cv2.GaussianBlur(veins, (0, 0), 0.8).astype(np.float32)[..., None] / 255
-    return np.asarray(white * (1 - red * np.float32([0.25, 0.62, 0.6])), np.float32)
+    return np.asarray(white * (1 - red * rgb(0.25, 0.62, 0.6)), np.float32)
 
 
 def _iris(reach: F32, turn: F32, color: F32, rng: np.random.Generator) -> F32:
@@ -63,17 +63,12 @@ def _iris(reach: F32, turn: F32, color: F32, rng: np.random.Generator) -> F32:
     patches = sum(np.cos(k * turn + rng.uniform(0, 6.28)) for k in (2, 3, 5)) / 3
     bright = 1.15 + 0.32 * fibres + 0.12 * patches
     collar = np.exp(-(((reach - 0.47 - 0.02 * fibres) / 0.12) ** 2))[..., None]
-    warm = np.float32([0.30, 0.17, 0.06]) * 0.8 + color * 0.5
+    warm = rgb(0.30, 0.17, 0.06) * 0.8 + color * 0.5
     out = color * bright[..., None] * (1 - 0.55 * collar) + warm * 0.55 * collar
     rim = np.clip((reach - 0.78) / 0.22, 0, 1)[..., None]
     out = out * (1 - 0.78 * rim)
     pupil = np.clip((0.375 - reach) / 0.035 + 0.5, 0, 1)[..., None]
     return np.asarray(np.clip(out, 0, 1) * (1 - pupil) + 0.004 * pupil, np.float32)
-
-
-def plain_texture(color: Color) -> U8:
-    """Return a texture (2, 2, 3) uint8 of one colour."""
-    return np.full((2, 2, 3), color, np.uint8)
 
 
 def lash_texture(coverage: U8, strength: float) -> U8:
@@ -89,5 +84,5 @@ def cloth_texture(color: Color, rng: np.random.Generator) -> U8:
     y, x = np.mgrid[0:256, 0:256]
     knit = 0.93 + 0.05 * np.cos(x * 2 * np.pi / 4) * np.cos(y * 2 * np.pi / 4)
     grain = rng.normal(1, 0.025, (256, 256))
-    picture = np.float32(color) * (knit * grain)[..., None]
+    picture = rgb(*color) * (knit * grain)[..., None]
     return np.asarray(np.clip(picture, 0, 255).astype(np.uint8))

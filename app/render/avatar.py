@@ -111,9 +111,7 @@ def sparse_deltas(deltas_mm: F32, smallest_mm: float = 0.005) -> tuple[I32, I32,
     return starts, rows.astype(np.int32), np.ascontiguousarray(deltas_mm[shape, rows], np.float32)
 
 
-def part_of(
-    material: Material, triangles: I32, corner_uv: F32, vertex_extra: F32
-) -> Part:
+def part_of(material: Material, triangles: I32, corner_uv: F32, vertex_extra: F32) -> Part:
     """Return a part with vertices repeated where their texture coordinates differ.
 
     Args:
@@ -125,5 +123,5 @@ def part_of(
     keys = np.concatenate([triangles[..., None], np.round(corner_uv * 65535)], axis=-1)
     unique, flat = np.unique(keys.reshape(-1, 3).astype(np.int64), axis=0, return_inverse=True)
     rows = unique[:, 0].astype(np.int32)
-    uv = unique[:, 1:].astype(np.float32) / 65535
+    uv = (unique[:, 1:] / 65535).astype(np.float32)
     return Part(material, rows, uv, vertex_extra[rows], flat.reshape(-1, 3).astype(np.int32))

@@ -4,6 +4,7 @@ import ctypes
 import ctypes.util
 import sys
 from collections.abc import Callable
+from typing import Any
 
 import moderngl
 
@@ -31,10 +32,10 @@ def make_context() -> moderngl.Context:
     Raises:
         RenderError: The machine has no OpenGL.
     """
-    options = {"backend": "egl"} if sys.platform.startswith("linux") else {}
+    options: dict[str, Any] = {"backend": "egl"} if sys.platform.startswith("linux") else {}
     try:
         return moderngl.create_context(standalone=True, require=330, **options)
-    except Exception as error:  # noqa: BLE001  glcontext raises bare Exception, ImportError, OSError
+    except Exception as error:  # glcontext raises nothing more special
         raise RenderError(str(error)) from error
 
 
@@ -58,5 +59,5 @@ def finisher(context: moderngl.Context) -> Callable[[], None]:
         except (OSError, AttributeError):
             continue
         finish.restype, finish.argtypes = None, []
-        return lambda: finish()  # type: ignore[no-any-return]
-    return lambda: context.finish()  # type: ignore[no-any-return]
+        return lambda: finish()
+    return lambda: context.finish()

@@ -6,7 +6,7 @@ from core.records import F32, I32, FloatArray
 
 #: Angle from the pupil that the edge of the eye texture shows.
 EDGE_RAD = np.deg2rad(110.0)
-_RINGS, _SECTORS = 14, 28
+_RINGS, _SECTORS = 10, 22
 
 
 def eyeball() -> tuple[F32, F32, I32]:

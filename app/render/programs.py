@@ -25,13 +25,6 @@ def surface_program(context: moderngl.Context, material: str) -> moderngl.Progra
     )
 
 
-def backdrop_program(context: moderngl.Context) -> moderngl.Program:
-    """Return the program that fills the picture with an image."""
-    return context.program(
-        vertex_shader=source("backdrop.vert"), fragment_shader=source("backdrop.frag")
-    )
-
-
 def layout(
     program: moderngl.Program, attributes: tuple[tuple[str, str], ...]
 ) -> tuple[str, list[str]]:
@@ -40,7 +33,5 @@ def layout(
     A driver drops what a shader does not use; its bytes are then skipped.
     """
     used = [name for name, _ in attributes if name in program]
-    parts = [
-        form if name in program else f"{4 * int(form[0])}x" for name, form in attributes
-    ]
+    parts = [form if name in program else f"{4 * int(form[0])}x" for name, form in attributes]
     return " ".join(parts), used

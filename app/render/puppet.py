@@ -29,7 +29,7 @@ def lids_following(expression: FloatArray, gaze_rad: FloatArray) -> FloatArray:
     A tracked blink already contains the follow of the real lid, so the greater of both counts,
     not their sum.
     """
-    out = np.clip(np.asarray(expression, float), 0, 1)
+    out: FloatArray = np.clip(np.asarray(expression, float), 0, 1)
     for eye in range(2):
         pitch = float(gaze_rad[eye, 1])
         out[_BLINK[eye]] = max(out[_BLINK[eye]], min(-LID_FOLLOWS_DOWN * pitch, 0.45))
@@ -53,7 +53,7 @@ class Puppet:
             for part in avatar.parts
         ]
         self._directions, uv, triangles = eyeball()
-        extra = np.tile(np.float32([0, 1, 1, 0]), (len(uv), 1))
+        extra = np.tile(np.array([0, 1, 1, 0], np.float32), (len(uv), 1))
         ball = Mesh(self._directions, self._directions, uv, extra, triangles)
         self._eyes = [renderer.upload(ball, material) for material in avatar.eyes.materials]
 
@@ -76,7 +76,12 @@ class Puppet:
         self._morph(weights)
         mouth: Uniforms = {"lit": self._light_in_mouth()}
         items = [
-            Item(drawable, head_to_camera, body_to_camera, mouth if drawable.material.in_mouth else {})
+            Item(
+                drawable,
+                head_to_camera,
+                body_to_camera,
+                mouth if drawable.material.in_mouth else {},
+            )
             for drawable in self._drawables
         ]
         return items + [

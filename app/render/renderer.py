@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import cv2
 import moderngl
@@ -9,10 +10,10 @@ import numpy as np
 
 from app.render.context import draws_in_software, finisher, make_context
 from app.render.drawable import Drawable
-from app.render.programs import backdrop_program, surface_program
-from app.render.scene import Lights, Material, Mesh, Uniforms, View
+from app.render.programs import surface_program
+from app.render.scene import DEFAULTS, Lights, Material, Mesh, Uniforms, View
 from app.render.target import Target
-from core.kernels.antialias import smooth_edges
+from core.kernels.antialias import gray_of, lay_over, mark_edges, smooth_edges
 from core.records import F32, U8, FloatArray
 
 
@@ -58,8 +59,7 @@ class Renderer:
         self._finish = finisher(self._context)
         self.software = draws_in_software(self._context)
         self._programs: dict[str, moderngl.Program] = {}
-        self._backdrop_program = backdrop_program(self._context)
-        self._backdrop: tuple[U8, moderngl.Texture, moderngl.VertexArray] | None = None
+        self._backdrop: tuple[U8, U8] | None = None
         self._targets: dict[tuple[int, int], Target] = {}
 
     def upload(self, mesh: Mesh, material: Material) -> Drawable:
@@ -78,11 +78,11 @@ class Renderer:
         self._finish()
         picture = target.read()
         if factor > 1:
-            return np.asarray(cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA))
-        if not target.samples:
-            smoothed = np.empty_like(picture)
-            smooth_edges(picture, smoothed)
-            return smoothed
+            picture = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)
+        elif not target.samples:
+            picture = _smoothed(picture)
+        if scene.backdrop is not None:
+            lay_over(self._fitted(scene.backdrop, (width, height)), picture)
         return picture
 
     def depth_mm(self, scene: Scene) -> F32:
@@ -116,8 +116,6 @@ class Renderer:
         context = self._context
         target.begin()
         context.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
-        if scene.backdrop is not None:
-            self._paint_backdrop(scene.backdrop)
         context.enable(moderngl.DEPTH_TEST)
         # The projection turns pictures over, and with them every triangle.
         context.front_face = "cw"
@@ -137,21 +135,30 @@ class Renderer:
         program = item.drawable.program
         set_uniform(program, "head_to_camera", item.head_to_camera.T)
         set_uniform(program, "body_to_camera", item.body_to_camera.T)
-        for name, value in (material.values | item.values).items():
+        values = DEFAULTS[material.shader] | material.values | item.values
+        for name, value in values.items():
             set_uniform(program, name, value)
         item.drawable.render()
 
-    def _paint_backdrop(self, image: U8) -> None:
-        if self._backdrop is None or self._backdrop[0] is not image:
-            if self._backdrop is not None:
-                self._backdrop[1].release()
-                self._backdrop[2].release()
-            height, width = image.shape[:2]
-            texture = self._context.texture((width, height), 3, np.ascontiguousarray(image))
-            array = self._context.vertex_array(self._backdrop_program, [])
-            self._backdrop = image, texture, array
-        self._backdrop[1].use(0)
-        self._backdrop[2].render(moderngl.TRIANGLES, vertices=3)
+    def _fitted(self, image: U8, size_px: tuple[int, int]) -> U8:
+        """Return a backdrop at the picture's size; the last one is kept."""
+        if image.shape[1::-1] == size_px:
+            return image
+        kept = self._backdrop
+        if kept is None or kept[0] is not image or kept[1].shape[1::-1] != size_px:
+            kept = image, cv2.resize(image, size_px, interpolation=cv2.INTER_AREA)
+            self._backdrop = kept
+        return kept[1]
+
+
+def _smoothed(picture: U8) -> U8:
+    """Return the picture with smooth edges, for drivers whose multisampling is too slow."""
+    gray, out = np.empty(picture.shape[:2], np.uint8), picture.copy()
+    marks = np.empty_like(gray)
+    gray_of(picture, gray)
+    mark_edges(gray, marks)
+    smooth_edges(picture, gray, marks, out)
+    return out
 
 
 def _set_view(program: moderngl.Program, scene: Scene) -> None:
@@ -170,6 +177,6 @@ def set_uniform(program: moderngl.Program, name: str, value: float | FloatArray)
     Drivers also drop the end of an array that is not read.
     """
     if name in program:
-        uniform = program[name]
+        uniform: Any = program[name]
         size = 4 * uniform.dimension * uniform.array_length
         uniform.write(np.asarray(value, np.float32).tobytes()[:size])

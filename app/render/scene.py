@@ -40,14 +40,50 @@ class Mesh:
         )
 
 
+#: What each shader's surfaces have unless their material says otherwise: how far light wraps
+#: round the edge of the shadow by colour, the roughness to the fourth, the colour of folds, the
+#: direction that strands of hair run away from (zero: no strands).
+DEFAULTS: dict[str, Uniforms] = {
+    "skin": {
+        "wrap": np.array([0.42, 0.20, 0.14]),
+        "roughness2": 0.11,
+        "bounce": np.array([0.45, 0.22, 0.15]),
+        "whorl": np.zeros(3),
+    },
+    "eye": {},
+    "hair": {
+        "wrap": np.array([0.5, 0.5, 0.5]),
+        "roughness2": 0.11,
+        "bounce": np.zeros(3),
+        "whorl": np.array([0.0, -0.8, 0.6]),
+        "cutoff": 0.42,
+        "shine": 0.55,
+    },
+    "plain": {
+        "wrap": np.array([0.2, 0.2, 0.2]),
+        "roughness2": 0.11,
+        "bounce": np.zeros(3),
+        "whorl": np.zeros(3),
+    },
+    "wet": {
+        "wrap": np.array([0.35, 0.2, 0.2]),
+        "roughness2": 0.02,
+        "bounce": np.array([0.3, 0.1, 0.1]),
+        "whorl": np.zeros(3),
+        "gloss": 1.6,
+        "lit": 1.0,
+    },
+}
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Material:
     """How a surface looks.
 
     Attributes:
-        shader: "skin", "eye", "hair" or "plain": the fragment shader's name.
+        shader: "skin", "eye", "hair", "wet" or "plain": the fragment shader's name.
         texture: (H, W, 3 or 4) uint8; see the shader for what alpha means.
-        values: Fixed uniforms of the shader.
+        values: Fixed uniforms of the shader, on top of DEFAULTS.
         two_sided: Also drawn from behind.
         blended: Mixed with what is behind it; drawn after all that is not.
         repeated: The texture goes on beyond its edges.

@@ -83,7 +83,7 @@ def landmark_points(model: FaceModel) -> dict[str, np.ndarray]:
 def blush(canvas: Canvas, spots: dict[str, np.ndarray], ears: np.ndarray) -> np.ndarray:
     """Return where blood shows: cheeks, nose, ears, chin, round the nostrils and the eyes."""
     out = 0.5 * canvas.near(spots["nose_tip"], (13, 11, 16))
-    out += 0.25 * canvas.near((spots["chin"] if "chin" in spots else [0, 100, -20]), 17)
+    out += 0.25 * canvas.near(spots["lip_lo_mid"] + [0, 24, 0], 17)
     for side in "RL":
         eye, mouth = spots[f"{side}_eye_lo_mid"], spots[f"{side}_mouth_corner"]
         outwards = np.sign(eye[0]) * np.array([12.0, 0, 0])
@@ -100,7 +100,7 @@ def blush(canvas: Canvas, spots: dict[str, np.ndarray], ears: np.ndarray) -> np.
 
 def mottle(canvas: Canvas, rng: np.random.Generator) -> np.ndarray:
     """Return blotches of several sizes around 0.5."""
-    waves = ((34, 0.5), (15, 0.6), (6, 0.55), (2.6, 0.4))
+    waves = ((34, 0.25), (15, 0.5), (6, 0.6), (2.6, 0.5))
     return 0.5 + 0.14 * sum(share * canvas.noise(length, rng) for length, share in waves)
 
 
@@ -114,9 +114,7 @@ def pores(canvas: Canvas, rng: np.random.Generator) -> np.ndarray:
     return 0.5 + 0.10 * fine - 0.14 * np.maximum(coarse - 1.4, 0) + 0.05 * canvas.noise(1.1, rng)
 
 
-def freckles(
-    canvas: Canvas, spots: dict[str, np.ndarray], rng: np.random.Generator
-) -> np.ndarray:
+def freckles(canvas: Canvas, spots: dict[str, np.ndarray], rng: np.random.Generator) -> np.ndarray:
     """Return small brown spots, dense on nose and cheeks, and a few moles anywhere."""
     where = canvas.near(spots["nose_bridge_4"] + [0, 4, 8], (52, 20, 40))
     out = np.zeros(canvas.inside.shape, np.float32)

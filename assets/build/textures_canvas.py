@@ -71,9 +71,7 @@ def fill_triangle(
     inside[y[hit], x[hit]] = True
 
 
-def lattice_noise(
-    points: np.ndarray, wavelength_mm: float, rng: np.random.Generator
-) -> np.ndarray:
+def lattice_noise(points: np.ndarray, wavelength_mm: float, rng: np.random.Generator) -> np.ndarray:
     """Return value noise at points (..., 3) from a random lattice, smoothly interpolated."""
     cells = 64
     lattice = rng.normal(0, 1, (cells, cells, cells)).astype(np.float32)
@@ -100,18 +98,14 @@ def uv_of(model: FaceModel, size_px: int) -> tuple[cKDTree, np.ndarray]:
     return cKDTree(model.mean_mm[vertices[first]]), pixels[first]
 
 
-def stroke(
-    canvas: np.ndarray, line_px: np.ndarray, width_px: float, strength: float
-) -> None:
+def stroke(canvas: np.ndarray, line_px: np.ndarray, width_px: float, strength: float) -> None:
     """Draw an antialiased polyline (n, 2), tapering to its end, into a float canvas, by max."""
     fixed = np.round(line_px * 16).astype(np.int32)
     low = np.maximum(line_px.min(axis=0).astype(int) - 4, 0)
     high = line_px.max(axis=0).astype(int) + 5
     patch = np.zeros((high[1] - low[1], high[0] - low[0]), np.uint8)
     if width_px >= 1.5:
-        cv2.polylines(
-            patch, [fixed - low * 16], False, 255, round(width_px), cv2.LINE_AA, 4
-        )
+        cv2.polylines(patch, [fixed - low * 16], False, 255, round(width_px), cv2.LINE_AA, 4)
     else:
         cv2.polylines(patch, [fixed - low * 16], False, round(255 * width_px / 1.5), 1,
                       cv2.LINE_AA, 4)  # fmt: skip

@@ -58,7 +58,9 @@ def openness(model: FaceModel) -> np.ndarray:
         frame.clear(depth=1.0)
         program["turn"].write(turn.T.astype("f4").tobytes())
         array.render()
-        depth = np.frombuffer(frame.read(components=1, attachment=-1, dtype="f4"), "f4").reshape(SIZE, SIZE)
+        depth = np.frombuffer(frame.read(components=1, attachment=-1, dtype="f4"), "f4").reshape(
+            SIZE, SIZE
+        )
         seen = (points + LIFT_MM * normals) @ turn.T / REACH_MM
         pixel = np.clip(((seen[:, :2] * 0.5 + 0.5) * SIZE).astype(int), 0, SIZE - 1)
         front = depth[pixel[:, 1], pixel[:, 0]] * 2 - 1

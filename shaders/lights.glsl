@@ -1,25 +1,9 @@
-// Light shared by all materials. Colours are linear inside; textures and the picture hold their
-// square roots, a gamma of 2, which costs no power function.
+// The lights of a picture, for vertex and fragment shaders. Colours are linear inside; textures
+// and the picture hold their square roots, a gamma of 2, which costs no power function.
 uniform vec3 light_direction[3];  // towards the key, fill and rim light, camera frame
 uniform vec3 light_color[3];
 uniform vec3 ambient_above;
 uniform vec3 ambient_below;
-
-in vec3 v_position;
-in vec3 v_normal;
-in vec3 v_model;
-in vec2 v_uv;
-in vec3 v_extra;
-
-out vec4 out_color;
-
-vec3 linear(vec3 color) { return color * color; }
-
-// Soft shoulder for bright parts, then the display's gamma.
-vec4 shown(vec3 color, float alpha) {
-    vec3 soft = color * (1.0 + 0.22 * color) / (0.72 + color);
-    return vec4(sqrt(max(soft, 0.0)), 1.0) * alpha;
-}
 
 vec3 ambient(vec3 normal) {
     return mix(ambient_above, ambient_below, 0.5 + 0.5 * normal.y);
