@@ -12,6 +12,9 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 POINT_COLOR = QColor(0, 220, 255)
 POINT_EDGE = QColor(0, 40, 60, 200)
 LOST_COLOR = QColor(255, 170, 0)
+#: Pictures are judged best against a dark, neutral surround, in light and dark themes alike.
+SURROUND_COLOR = QColor(32, 34, 37)
+EMPTY_TEXT_COLOR = QColor(214, 218, 222)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,7 +88,7 @@ class PictureView(QWidget):
     def paintEvent(self, event: QPaintEvent) -> None:
         """Paint the picture, then the points."""
         painter = QPainter(self)
-        painter.fillRect(self.rect(), self.palette().color(self.palette().ColorRole.Dark))
+        painter.fillRect(self.rect(), SURROUND_COLOR)
         if self._image is None:
             self._paint_empty(painter)
             return
@@ -101,7 +104,7 @@ class PictureView(QWidget):
             self._paint_overlay(painter, self._overlay)
 
     def _paint_empty(self, painter: QPainter) -> None:
-        painter.setPen(self.palette().color(self.palette().ColorRole.BrightText))
+        painter.setPen(EMPTY_TEXT_COLOR)
         margin = self.rect().adjusted(24, 24, -24, -24)
         painter.drawText(
             margin, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self._empty_text
