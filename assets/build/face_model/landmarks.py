@@ -1,68 +1,14 @@
 """Vertices of the 75 landmarks, their replacements and the contour strips in the head crop."""
 
+from core.landmarks import (
+    CONTOUR_HEAD_STRIPS,
+    INTERNAL_HEAD_VERTICES,
+    REPLACEMENT_HEAD_VERTICES,
+)
+
 #: The 60 internal landmarks in the order of core.landmarks.NAMES.
-INTERNAL = (
-    261, 2388, 207, 2340, 206, 2339, 177, 2311, 208, 2341, 166, 2301, 18, 2160, 6, 2148, 0,
-    2142, 54, 2196, 66, 2208, 47, 2189, 44, 2186, 41, 2183, 132, 135, 1406, 201, 297, 312,
-    313, 2434, 286, 2413, 1394, 3450, 466, 496, 474, 523, 431, 2549, 411, 2529, 456, 2573,
-    439, 2557, 490, 2603, 430, 2548, 472, 2586, 517, 2622,
-)  # fmt: skip
-#: Points inside the face that stand for the 15 contour landmarks [Cao13, sec. 3]: temple, cheek
-#: bone, under the eye, mid cheek, beside the nose, beside the mouth, chin side, chin.
-REPLACEMENTS = (
-    257, 839, 1403, 1676, 1665, 1516, 734, 1505, 2812, 3566, 3707, 3718, 3458, 2906, 2384,
-)  # fmt: skip
+INTERNAL = tuple(int(vertex) for vertex in INTERNAL_HEAD_VERTICES)
+#: Points inside the face that stand for the 15 contour landmarks [Cao13, sec. 3].
+REPLACEMENTS = tuple(int(vertex) for vertex in REPLACEMENT_HEAD_VERTICES)
 #: For each contour landmark the vertices, from the front to the back, that it may slide along.
-STRIPS = (
-    (
-        102, 1027, 994, 1245, 989, 148, 194, 1530, 1329, 1538, 267, 1580, 807, 1745, 2112,
-        2081,
-    ),
-    (
-        1401, 1403, 192, 213, 839, 1518, 1669, 1525, 1526, 269, 1578, 805, 796, 2078, 1798,
-    ),
-    (
-        1482, 1418, 1411, 1674, 1676, 1494, 1495, 1497, 1548, 270, 1581, 806, 1440, 803,
-        2095,
-    ),
-    (
-        1601, 837, 1631, 1632, 1644, 1551, 1549, 736, 1585, 849, 848, 738,
-    ),
-    (
-        711, 1487, 1498, 1516, 1642, 1583, 832, 739, 931,
-    ),
-    (
-        442, 404, 1289, 1506, 1570, 1641, 852, 829, 830, 741, 933, 935, 753, 754, 756,
-    ),
-    (
-        480, 721, 734, 1553, 1508, 1637, 859, 743,
-    ),
-    (
-        492, 1680, 491, 724, 733, 1505, 1554, 1514, 1568, 1639, 732, 747, 762, 925,
-    ),
-    (
-        2593, 2802, 2812, 3602, 3559, 3681, 2926, 2821,
-    ),
-    (
-        2560, 2522, 3346, 3557, 3617, 3684, 2919, 2896, 2897, 2819, 2992, 2994, 2830, 2831,
-        2833,
-    ),
-    (
-        2792, 3539, 3550, 3566, 3685, 3630, 2899, 2817, 2990,
-    ),
-    (
-        3647, 2904, 3675, 3676, 3687, 3600, 3598, 2814, 3632, 2916, 2915, 2816,
-    ),
-    (
-        3534, 3471, 3465, 3716, 3718, 3546, 3547, 3549, 3597, 2397, 3628, 2876, 3493, 2873,
-        4130,
-    ),
-    (
-        3456, 3458, 2326, 2346, 2906, 3568, 3711, 3575, 3576, 2396, 3625, 2875, 2866, 4113,
-        3835,
-    ),
-    (
-        2244, 3084, 3051, 3302, 3046, 2284, 2328, 3580, 3386, 3587, 2394, 3627, 2877, 3782,
-        4147, 4116,
-    ),
-)  # fmt: skip
+STRIPS = CONTOUR_HEAD_STRIPS
