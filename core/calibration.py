@@ -19,7 +19,15 @@ from core.face_model import FaceModel
 from core.fit_problem import State
 from core.fit_space import FitSpace, fit_space
 from core.focal_search import parabola_minimum, search_focal
-from core.model_fit import Fit, FitSettings, check_landmarks, joint_rounds, refine, set_up
+from core.model_fit import (
+    Fit,
+    FitSettings,
+    check_landmarks,
+    joint_rounds,
+    refine,
+    set_up,
+    trust_in_motion,
+)
 from core.picture_fit import Problem, fit_pictures
 from core.records import U8, Camera, FloatArray, Landmarks2D, Progress
 
@@ -43,25 +51,28 @@ class CalibrationSettings:
     """How the focal length is searched.
 
     Attributes:
-        fit: How the model is fitted at each focal length.
+        fit: How the model is fitted at each focal length. The contour hardly counts: its
+            vertices jump along their strips, which costs more than their places tell.
         low_widths: Shortest focal length, in image widths.
         high_widths: Longest focal length, in image widths.
         usual_widths: Usual focal length of webcams, 60 degrees of view, in image widths.
-        usual_spread: Its standard deviation, of the logarithm.
-        dispersion: Landmark errors of one person agree from picture to picture; the energy
-            counts them as independent, and is divided by this before it meets the usual value.
+        usual_spread: How far others are from that, as a ratio.
+        dispersion: What the energy is divided by before it meets the usual value: landmark
+            errors of one person agree from picture to picture, but are counted as independent.
         evaluations: Fits after the first.
         steps: Most joint steps of each.
         tolerance: A fit ends when its error falls by less than this share.
     """
 
-    fit: FitSettings = field(default_factory=FitSettings)
+    fit: FitSettings = field(
+        default_factory=lambda: FitSettings(noise_mm=1.0, contour_weight=0.02, deviation=0.3)
+    )
     low_widths: float = 0.4
     high_widths: float = 3.0
     usual_widths: float = 0.87
     usual_spread: float = 0.25
-    dispersion: float = 10.0
-    evaluations: int = 13
+    dispersion: float = 2.0
+    evaluations: int = 10
     steps: int = 12
     tolerance: float = 1e-5
 
@@ -129,15 +140,16 @@ def estimate_focal(
 class _Trials:
     """Fits at one focal length after the other, each from the nearest one before.
 
-    The contour vertices are those of the first fit: were they chosen anew, the error would jump.
+    Contour vertices and weights are those of the first fit: chosen anew, the error would jump.
     """
 
     def __init__(
         self, problem: Problem, space: FitSpace, first: Fit, settings: CalibrationSettings
     ):
-        self._settings = settings
-        self._space = space
-        self._problem = problem
+        face = space.face(first.person.identity, first.person.offsets_mm)
+        trusted = trust_in_motion(problem.observations, face, first, settings.fit)
+        self._settings, self._space = settings, space
+        self._problem = replace(problem, observations=trusted)
         self._fits = {problem.camera.focal_px: first}
         self.tried: dict[float, float] = {}
 
@@ -153,8 +165,10 @@ class _Trials:
         steps = replace(settings.fit, steps=settings.steps, tolerance=settings.tolerance)
         fit = joint_rounds(problem, self._space, start, steps)
         self._fits[focal_px] = fit
-        unusual = (np.log(focal_px / settings.usual_widths / problem.camera.size_px[0])) ** 2
-        error = fit.energy / settings.dispersion + unusual / settings.usual_spread**2
+        widths = focal_px / problem.camera.size_px[0]
+        unusual = np.log(widths / settings.usual_widths) / settings.usual_spread
+        # Cauchy: an unusual lens costs something, but clear evidence for one is believed.
+        error = fit.energy / settings.dispersion + 2 * np.log1p(unusual**2)
         self.tried[focal_px] = error
         return float(error)
 

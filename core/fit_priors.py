@@ -24,6 +24,26 @@ SPREADS: dict[str, float] = {
 USUAL_SPREAD = 0.4
 
 
+@dataclass(frozen=True, slots=True)
+class PriorSettings:
+    """How much is known about expressions.
+
+    Attributes:
+        spread_scale: Multiplies the usual spreads.
+        slope: Cost of using a shape that is not asked for.
+        standard_spread: How far people are from a* when they follow a prompt.
+        others_share: Share of the usual spread for shapes that a prompt does not ask for.
+        neutral_share: The same where the prompt is a neutral face. Small: that the face is rigid
+            in these pictures is what tells its depth and the focal length.
+    """
+
+    spread_scale: float = 1.0
+    slope: float = 3.0
+    standard_spread: float = 0.35
+    others_share: float = 0.4
+    neutral_share: float = 0.1
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ExpressionPrior:
     """Means, precisions and slopes of the coefficients in each picture, all (N, B)."""
@@ -49,20 +69,20 @@ def expression_spreads() -> FloatArray:
     return np.where(unnamed, USUAL_SPREAD, coefficients(SPREADS))
 
 
-def expression_prior(
-    standard: FloatArray, spread_scale: float, standard_spread: float, slope: float
-) -> ExpressionPrior:
+def expression_prior(standard: FloatArray, settings: PriorSettings) -> ExpressionPrior:
     """Return the prior of pictures, some of them of prompted expressions.
 
     Args:
         standard: (N, B) coefficients a*, NaN rows where nothing is known.
-        spread_scale: Multiplies the spreads of unprompted pictures.
-        standard_spread: How far people are from a* when they follow a prompt.
-        slope: Cost of using a shape that is not prompted.
+        settings: How much is known.
     """
-    known = ~np.isnan(standard)
+    known = ~np.isnan(standard).any(axis=1, keepdims=True)
     mean = np.where(known, standard, 0.0)
-    usual = spread_scale * expression_spreads()
+    asked = mean > 0
+    neutral = known & ~asked.any(axis=1, keepdims=True)
     # People who are asked for one thing rarely do another, but nobody hits a* exactly.
-    spread = np.where(known & (mean > 0), standard_spread, np.broadcast_to(usual, mean.shape))
-    return ExpressionPrior(mean, spread**-2.0, np.where(mean > 0, 0.0, slope))
+    share = np.where(neutral, settings.neutral_share, settings.others_share)
+    share = np.where(known, share, 1.0)
+    usual = settings.spread_scale * share * expression_spreads()
+    spread = np.where(asked, settings.standard_spread, usual)
+    return ExpressionPrior(mean, spread**-2.0, np.where(asked, 0.0, settings.slope / share))

@@ -14,7 +14,6 @@ from core.fit_problem import State, picked
 from core.fit_space import face_at
 from core.geometry import matrix_from_head_angles, matrix_from_quaternion
 from core.model_fit import choose_picks
-from core.pupils import PUPIL_RADIUS_MM
 from core.records import Camera, FloatArray, Landmarks2D, ModelFit, UserBlendshapes
 from core.setup_plan import Shot
 
@@ -40,7 +39,7 @@ def guess_landmarks(
     state = State(rotation[None], translation[None], shot.standard[None])
     face = face_at(model, user.neutral_mm, user.deltas_mm)
     points = project(camera, picked(face, state, choose_picks(face, state)))[0]
-    pupils = eye_centers_mm(model, user.neutral_mm) - np.array([0.0, 0.0, PUPIL_RADIUS_MM])
+    pupils = eye_centers_mm(model, user.neutral_mm) - np.array([0.0, 0.0, model.eyeball_radius_mm])
     pupils_px = project(camera, pupils @ rotation.T + translation)
     n_points = len(points)
     return Landmarks2D(points, np.zeros(n_points, bool), np.zeros(n_points), pupils_px, np.zeros(2))

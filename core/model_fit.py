@@ -1,14 +1,14 @@
 """Fits the bilinear model to the landmarks of all setup pictures [Cao13, 4.1]."""
 
 from collections.abc import Generator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from core.contour import contour_points
 from core.errors import CoreError
 from core.face_model import FaceModel
-from core.fit_priors import expression_prior
+from core.fit_priors import PriorSettings, expression_prior
 from core.fit_problem import (
     Observations,
     State,
@@ -47,10 +47,9 @@ class FitSettings:
     Attributes:
         noise_mm: Landmark noise on the face; it weighs the landmarks against the priors.
         contour_weight: Weight of a contour landmark, which is less certain than an internal one.
+        deviation: Error of the shapes themselves, as a share of how far they move a point.
         offset_mm: Usual distance of a landmark from where the model has it.
-        spread_scale: Multiplies the usual spreads of the expression coefficients.
-        standard_spread: How far people are from a* when they follow a prompt.
-        slope: Cost of using a shape that is not prompted.
+        prior: What is known of the expressions.
         rounds: Updates of the contour vertices [Cao13: three].
         steps: Most joint steps in a round.
         tolerance: A round ends when the energy falls by less than this share.
@@ -59,10 +58,9 @@ class FitSettings:
 
     noise_mm: float = 1.5
     contour_weight: float = 0.15
+    deviation: float = 0.2
     offset_mm: float = 1.0
-    spread_scale: float = 1.0
-    standard_spread: float = 0.35
-    slope: float = 3.0
+    prior: PriorSettings = field(default_factory=PriorSettings)
     rounds: int = 3
     steps: int = 8
     tolerance: float = 2e-4
@@ -110,6 +108,21 @@ def observe(
     return Observations(points, confidence / sigma[:, None] ** 2, sigma)
 
 
+def trust_in_motion(
+    observations: Observations, face: Face, fit: Fit, settings: FitSettings
+) -> Observations:
+    """Return the observations with less weight on landmarks that an expression has moved far.
+
+    Nobody's smile is quite the model's. Points that stay where they are in the neutral face tell
+    more about pose, identity and focal length than those whose motion is only roughly known.
+    """
+    points = face.points_mm(fit.state.expressions) - face.neutral_mm
+    moved = np.take_along_axis(points, fit.picks[..., None], axis=1)
+    error_mm = settings.deviation * np.linalg.norm(moved, axis=-1)
+    trust = 1 / (1 + (error_mm / settings.noise_mm) ** 2)
+    return replace(observations, weights=observations.weights * trust)
+
+
 def choose_picks(face: Face, state: State) -> I32:
     """Return the point (N, L) of each landmark in each picture, the contour for its pose."""
     posed_mm = posed(face.points_mm(state.expressions), state)
@@ -140,9 +153,12 @@ def refine(
     fit = start
     for turn in range(settings.rounds):
         face = space.face(fit.person.identity, fit.person.offsets_mm)
-        picks = choose_picks(face, fit.state)
-        state = fit_pictures(problem, face, fit.state, picks) if turn == 0 else fit.state
-        fit = joint_rounds(problem, space, Fit(fit.person, state, picks, np.inf), settings)
+        fit = replace(fit, picks=choose_picks(face, fit.state))
+        if turn == 0:
+            fit = replace(fit, state=fit_pictures(problem, face, fit.state, fit.picks))
+        trusted = trust_in_motion(problem.observations, face, fit, settings)
+        weighed = replace(problem, observations=trusted)
+        fit = joint_rounds(weighed, space, fit, settings)
         yield Progress(turn + 1, settings.rounds, "Fitting the face model", {"energy": fit.energy})
     return fit
 
@@ -202,9 +218,7 @@ def set_up(
     """Return the problem and the first guess of a fit."""
     if standard is None:
         standard = np.full((len(landmarks), len(space.delta_modes_mm)), np.nan)
-    prior = expression_prior(
-        standard, settings.spread_scale, settings.standard_spread, settings.slope
-    )
+    prior = expression_prior(standard, settings.prior)
     start = first_guess(space, camera, landmarks, standard)
     observations = observe(camera, start.state, landmarks, settings)
     return Problem(camera, observations, prior, settings.pictures), start

@@ -8,8 +8,6 @@ from core.camera import unproject
 from core.fit_problem import State, posed
 from core.records import Camera, FloatArray, Landmarks2D
 
-#: Distance of the pupil from the eyeball's centre.
-PUPIL_RADIUS_MM = 11.5
 #: Below this confidence the eye is taken to look straight ahead.
 SEEN = 0.5
 #: The eye turns at most this far from straight ahead.
@@ -17,7 +15,11 @@ LIMIT_RAD = 0.8
 
 
 def pupils_mm(
-    camera: Camera, state: State, centers_mm: FloatArray, landmarks: Sequence[Landmarks2D]
+    camera: Camera,
+    state: State,
+    centers_mm: FloatArray,
+    radius_mm: float,
+    landmarks: Sequence[Landmarks2D],
 ) -> FloatArray:
     """Return both pupils (N, 2, 3) of every picture in the camera frame.
 
@@ -28,6 +30,7 @@ def pupils_mm(
         camera: The camera.
         state: Head poses of the N pictures.
         centers_mm: (2, 3) eyeball centres in the model frame, the right one first.
+        radius_mm: Radius of the eyeballs.
         landmarks: N pictures' landmarks, of which the pupils are read.
     """
     n_pictures = len(landmarks)
@@ -35,10 +38,10 @@ def pupils_mm(
     forward = -state.rotations[:, None, :, 2]
     pixels = np.stack([one.pupils_px for one in landmarks])
     rays = unproject(camera, pixels, np.ones((n_pictures, 2)))
-    direction = limited(sphere_directions(rays, centers, PUPIL_RADIUS_MM), forward)
+    direction = limited(sphere_directions(rays, centers, radius_mm), forward)
     seen = np.stack([one.pupil_confidence for one in landmarks]) >= SEEN
     direction = np.where(seen[..., None], direction, forward)
-    return np.asarray(centers + PUPIL_RADIUS_MM * direction)
+    return np.asarray(centers + radius_mm * direction)
 
 
 def sphere_directions(rays: FloatArray, centers_mm: FloatArray, radius_mm: float) -> FloatArray:

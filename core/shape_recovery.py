@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from core.face_model import FaceModel, eye_centers_mm
-from core.fit_priors import expression_prior
+from core.fit_priors import PriorSettings, expression_prior
 from core.fit_problem import State, posed, residuals_px, rms_px, start_state
 from core.fit_space import Face, face_at
 from core.geometry import matrix_from_quaternion, quaternion_from_matrix
@@ -25,17 +25,20 @@ from core.records import (
     UserBlendshapes,
 )
 
+#: E_reg of the paper: as wide for what is asked for as for what is not.
+_PRIOR = PriorSettings(standard_spread=0.3, others_share=0.6, neutral_share=0.6)
+
 
 @dataclass(frozen=True, slots=True)
 class RecoverySettings:
     """How shapes are recovered.
 
     Attributes:
-        fit: Noise and priors; `standard_spread` is what the paper's w_reg says.
+        fit: Noise and priors.
         rounds: Updates of the contour vertices.
     """
 
-    fit: FitSettings = field(default_factory=lambda: FitSettings(standard_spread=0.3))
+    fit: FitSettings = field(default_factory=lambda: FitSettings(prior=_PRIOR))
     rounds: int = 2
 
 
@@ -79,8 +82,7 @@ def recover_shapes(  # noqa: PLR0913
         state = fit_pictures(problem, face, state, picks)
         picks = choose_picks(face, state)
         yield Progress(turn + 1, settings.rounds, "Recovering 3D shapes")
-    centers = eye_centers_mm(model, user.neutral_mm)
-    return _record(problem, face, state, picks, pupils_mm(camera, state, centers, landmarks))
+    return _record(problem, face, state, picks, _pupils(model, user, camera, state, landmarks))
 
 
 def recover_one(
@@ -110,17 +112,22 @@ def recover_one(
     for _ in range(settings.rounds):
         state = fit_pictures(problem, face, state, picks)
         picks = choose_picks(face, state)
+    return _record(problem, face, state, picks, _pupils(model, user, camera, state, [landmarks]))
+
+
+def _pupils(
+    model: FaceModel, user: UserBlendshapes, camera: Camera, state: State,
+    landmarks: Sequence[Landmarks2D],
+) -> FloatArray:  # fmt: skip
     centers = eye_centers_mm(model, user.neutral_mm)
-    return _record(problem, face, state, picks, pupils_mm(camera, state, centers, [landmarks]))
+    return pupils_mm(camera, state, centers, model.eyeball_radius_mm, landmarks)
 
 
 def _problem(
     camera: Camera, state: State, landmarks: Sequence[Landmarks2D], standard: FloatArray,
     settings: FitSettings,
 ) -> Problem:  # fmt: skip
-    prior = expression_prior(
-        standard, settings.spread_scale, settings.standard_spread, settings.slope
-    )
+    prior = expression_prior(standard, settings.prior)
     return Problem(camera, observe(camera, state, landmarks, settings), prior, settings.pictures)
 
 

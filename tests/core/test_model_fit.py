@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.arkit import EXPRESSION_NAMES
-from core.fit_priors import expression_prior
+from core.fit_priors import PriorSettings, expression_prior
 from core.fit_problem import State, linearise, residuals_px, robust_weights
 from core.geometry import matrix_from_rotation_vector, rotation_vector_from_matrix
 from core.joint_step import JointProblem, Person, _shared_jacobian, joint_energy, joint_step
@@ -22,7 +22,14 @@ from tests.core.synthetic_fit import (
 SPACE = synthetic_space()
 USUAL = FitSettings()
 #: Priors so weak that exact landmarks decide alone.
-TRUSTING = FitSettings(noise_mm=0.02, contour_weight=1.0, offset_mm=1e-3, slope=0.0, rounds=4)
+TRUSTING = FitSettings(
+    noise_mm=0.02,
+    contour_weight=1.0,
+    deviation=0.0,
+    offset_mm=1e-3,
+    prior=PriorSettings(slope=0.0),
+    rounds=4,
+)
 
 
 def pictures(seed=1, **kwargs):
@@ -213,8 +220,9 @@ def test_pose_steps_turn_the_head_in_place():
 
 def test_energy_of_the_prior_has_the_gradient_it_says():
     rng = np.random.default_rng(8)
-    standard = np.where(rng.random((3, 46)) < 0.5, np.nan, rng.random((3, 46)))
-    prior = expression_prior(standard, 1.0, 0.3, 2.0)
+    standard = np.where(rng.random((3, 46)) < 0.5, 0.0, rng.random((3, 46)))
+    standard[1], standard[2] = np.nan, 0.0
+    prior = expression_prior(standard, PriorSettings())
     at, direction, size = rng.random((3, 46)), rng.normal(size=(3, 46)), 1e-6
     numeric = prior.energy(at + size * direction) - prior.energy(at - size * direction)
     analytic = 2 * np.sum(prior.half_gradient(at) * direction, axis=1)

@@ -6,10 +6,11 @@ import pytest
 from core.camera import camera_for, project
 from core.fit_problem import State
 from core.geometry import matrix_from_head_angles
-from core.pupils import LIMIT_RAD, PUPIL_RADIUS_MM, limited, pupils_mm, sphere_directions
+from core.pupils import LIMIT_RAD, limited, pupils_mm, sphere_directions
 from core.records import Landmarks2D
 
 CAMERA = camera_for((640, 480), 600.0)
+RADIUS_MM = 12.0
 CENTERS = np.array([[-32.0, 0.0, 0.0], [32.0, 0.0, 0.0]])
 
 
@@ -26,7 +27,7 @@ def head(yaw=0.0, pitch=0.0, distance=600.0):
 def pupils_looking(state, yaw, pitch):
     """Pupils (2, 3) in the camera frame of eyes that look there in the head frame."""
     forward = matrix_from_head_angles(yaw, pitch, 0.0) @ [0.0, 0.0, -1.0]
-    in_head = CENTERS + PUPIL_RADIUS_MM * forward
+    in_head = CENTERS + RADIUS_MM * forward
     return in_head @ state.rotations[0].T + state.translations_mm[0]
 
 
@@ -35,27 +36,27 @@ def pupils_looking(state, yaw, pitch):
 def test_pupils_are_where_their_pictures_came_from(yaw, pitch, turn):
     state = head(yaw=turn, pitch=0.2)
     truth = pupils_looking(state, yaw, pitch)
-    found = pupils_mm(CAMERA, state, CENTERS, [seen(project(CAMERA, truth))])
+    found = pupils_mm(CAMERA, state, CENTERS, RADIUS_MM, [seen(project(CAMERA, truth))])
     np.testing.assert_allclose(found[0], truth, atol=1e-6)
 
 
 def test_an_unseen_pupil_looks_straight_ahead():
     state = head(yaw=0.3)
-    found = pupils_mm(CAMERA, state, CENTERS, [seen(np.zeros((2, 2)), (0.1, 0.0))])
+    found = pupils_mm(CAMERA, state, CENTERS, RADIUS_MM, [seen(np.zeros((2, 2)), (0.1, 0.0))])
     np.testing.assert_allclose(found[0], pupils_looking(state, 0.0, 0.0))
 
 
 def test_each_eye_is_taken_for_itself():
     state = head()
     truth = pupils_looking(state, 0.3, 0.0)
-    found = pupils_mm(CAMERA, state, CENTERS, [seen(project(CAMERA, truth), (0.0, 1.0))])
+    found = pupils_mm(CAMERA, state, CENTERS, RADIUS_MM, [seen(project(CAMERA, truth), (0.0, 1.0))])
     np.testing.assert_allclose(found[0, 1], truth[1], atol=1e-6)
     np.testing.assert_allclose(found[0, 0], pupils_looking(state, 0.0, 0.0)[0])
 
 
 def test_a_ray_beside_the_eye_touches_it_where_it_is_nearest():
     direction = sphere_directions(
-        np.array([0.0, 0.0, 1.0]), np.array([30.0, 0.0, 500.0]), PUPIL_RADIUS_MM
+        np.array([0.0, 0.0, 1.0]), np.array([30.0, 0.0, 500.0]), RADIUS_MM
     )
     np.testing.assert_allclose(direction, [-1.0, 0.0, 0.0], atol=1e-12)
 
