@@ -97,7 +97,7 @@ def from_video(path: Path, aligner: Aligner) -> Generator[Progress, None, Pictur
     The video is read twice, so that only the chosen frames are held in memory.
     """
     with VideoSource(path) as video:
-        every = max(1, round(video.promised_frames / MOST_EXAMINED))
+        every = max(1, round(video.n_frames / MOST_EXAMINED))
         found = yield from _examine(video, aligner, every)
         if not found:
             raise NoFaceError(f"any frame of {path}")
@@ -130,7 +130,7 @@ def _examine(
         if previous is not None:
             offer = candidate(frame.index, frame.gray, previous)
             found.append((offer, previous.landmarks))
-        total = max(video.promised_frames, frame.index + 1)
+        total = max(video.n_frames, frame.index + 1)
         yield Progress(frame.index, total, "Looking for good frames")
     return found
 

@@ -142,6 +142,7 @@ def write_generation(
     check_target(folder)
     current = folder / f"data-{_last_number(folder) + 1:04d}"
     try:
+        current.mkdir()
         for name, content in files.items():
             _write_through(current / PurePosixPath(name), content)
         for path in {current, *(entry for entry in current.rglob("*") if entry.is_dir())}:

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import ArrayShapeError
+from core.fern_regressor import FernRegressor
 from core.generations import Generation, ProfileDamagedError, read_generation, write_generation
 from core.plain_json import json_text
 from core.records import (
@@ -33,7 +34,6 @@ from core.records import (
     UserBlendshapes,
     freeze,
 )
-from core.regressor import FernRegressor
 
 Arrays = dict[str, NDArray[Any]]
 R = TypeVar("R")

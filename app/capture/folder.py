@@ -36,7 +36,7 @@ class FolderSource(ClosedOnExit):
         self._files, self._index = image_files(path), 0
         first = read_bgr(self._files[0])
         self.size_px: tuple[int, int] = (first.shape[1], first.shape[0])
-        self.promised_frames = len(self._files)
+        self.n_frames = len(self._files)
 
     def read(self) -> Frame | None:
         """Return the next frame, None after the last one.

@@ -43,6 +43,11 @@ class FrameSource(Protocol):
     ) -> None: ...
 
 
+def expected_frames(source: FrameSource) -> int:
+    """Return how many frames a source will give, as far as it knows; else 0."""
+    return 0 if source.live else int(getattr(source, "n_frames", 0))
+
+
 class ClosedOnExit(ABC):
     """Makes a source a context manager that closes itself."""
 

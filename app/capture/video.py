@@ -18,7 +18,7 @@ class VideoSource(ClosedOnExit):
     """Plays a video file as fast as it is read.
 
     Attributes:
-        promised_frames: Number of frames the file claims to hold, 0 if it does not say.
+        n_frames: Number of frames the file claims to hold, 0 if it does not say.
     """
 
     live = False
@@ -41,7 +41,7 @@ class VideoSource(ClosedOnExit):
         fps = self._capture.get(cv2.CAP_PROP_FPS)
         self.fps = float(fps) if 1 <= fps <= 1000 else USUAL_FPS
         self._time_s = -1 / self.fps
-        self.promised_frames = max(int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)), 0)
+        self.n_frames = max(int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)), 0)
 
     def read(self) -> Frame | None:
         """Return the next frame, None after the last one."""
@@ -61,7 +61,7 @@ class VideoSource(ClosedOnExit):
 
     def cut_short(self) -> bool:
         """Return whether the file ended well before the number of frames it promised."""
-        return self._next is None and self._index < WHOLE_SHARE * self.promised_frames
+        return self._next is None and self._index < WHOLE_SHARE * self.n_frames
 
     def _decode(self) -> U8 | None:
         found, picture = self._capture.read()

@@ -8,11 +8,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from app.capture.choose import open_source
-from app.capture.source import FrameSource
+from app.capture.source import FrameSource, expected_frames
 from app.commands.progress import TerminalProgress
 from app.commands.track import FrameTracker
 from app.profiles import profile_folder
+from app.sources import open_source
 from core.alignment import Alignment
 from core.evaluation import against_reference
 from core.landmarks import N_INTERNAL
@@ -67,13 +67,13 @@ def evaluate(
     Returns:
         The table of [Cao13, table 1] and the time per frame.
     """
-    promised = int(getattr(source, "promised_frames", 0))
+    promised = expected_frames(source)
     states, reference, step_ms, cpu_ms = [], [], [], []
     for frame in iter(source.read, None):
-        wall_s, cpu_s = time.perf_counter(), time.thread_time()
+        wall_s, cpu_s = time.perf_counter(), time.process_time()
         states.append(tracker.step(frame))
         step_ms.append(1000 * (time.perf_counter() - wall_s))
-        cpu_ms.append(1000 * (time.thread_time() - cpu_s))
+        cpu_ms.append(1000 * (time.process_time() - cpu_s))
         found = aligner.first(frame.rgb)
         unseen = np.full((N_INTERNAL, 2), np.nan)
         reference.append(found.landmarks.points_px[:N_INTERNAL] if found else unseen)

@@ -13,15 +13,15 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from app.capture.choose import open_source
-from app.capture.source import FrameSource
+from app.capture.source import FrameSource, expected_frames
 from app.commands.progress import TerminalProgress
-from app.painting import AVATARS, AvatarPainter, make_avatar
+from app.painting import AVATARS, OWN, AvatarPainter, make_avatar
 from app.profiles import profile_folder
 from app.recording.outputs import Outputs
 from app.recording.table import Table
 from app.recording.track_file import TrackFile
 from app.recording.video import SideBySideVideo
+from app.sources import open_source
 from core.camera import camera_for
 from core.plain_json import json_text
 from core.records import Camera, FaceState, Frame, Progress
@@ -66,7 +66,9 @@ def add_parser(commands: Any) -> None:
     parser = commands.add_parser("track", help=DESCRIPTION, description=DESCRIPTION)
     parser.add_argument("profile", metavar="PROFILE", help="name or path of a profile")
     parser.add_argument(
-        "source", metavar="SOURCE", help="video file, folder of images, 'camera' or 'camera:1'"
+        "source",
+        metavar="SOURCE",
+        help="video file, folder of images, 'camera', 'camera:1', 'performer'",
     )
     parser.add_argument(
         "--out", metavar="FILE", type=output_path, action="append", default=[],
@@ -75,9 +77,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--video", metavar="FILE", type=Path, help="write the source beside the avatar: .mp4"
     )
-    parser.add_argument(
-        "--avatar", choices=list(AVATARS), default="own", help="the avatar of --video"
-    )
+    parser.add_argument("--avatar", choices=AVATARS, default=OWN, help="the avatar of --video")
     parser.add_argument("--mode", choices=["trained"], default="trained", help="way of tracking")
     parser.add_argument("--frames", type=int, metavar="N", help="stop after N frames")
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")
@@ -142,7 +142,7 @@ def track(
     Yields:
         Progress, once per frame; its total is 0 where the number of frames is not known.
     """
-    promised = most_frames or int(getattr(source, "promised_frames", 0))
+    promised = most_frames or expected_frames(source)
     label = f"Tracking {source.name}" + (" (Ctrl-C ends)" if source.live else "")
     times_ms: list[float] = []
     lost = 0

@@ -8,9 +8,11 @@ import numpy as np
 
 from app.errors import OutputError
 from app.recording.sink import PartialFile
-from core.landmarks import CURVES
+from core.landmarks import CURVES, N_INTERNAL
 from core.records import U8, FaceState, Frame
 
+#: The last landmarks stand for the outline but lie on the skin: they are dots, not a line.
+DRAWN_CURVES = [list(curve) for curve in CURVES if max(curve) < N_INTERNAL]
 #: Landmark curves in the picture, RGB.
 LINE_COLOR = (90, 230, 120)
 #: A frame around the source while no face is tracked, RGB.
@@ -52,10 +54,7 @@ class SideBySideVideo:
 
     def write(self, frame: Frame, state: FaceState) -> None:
         """Add the picture of the next frame."""
-        width, height = self._size_px
-        source = annotated(frame.rgb, state)[:height, :width]
-        avatar = letterboxed(self._draw_avatar(state)[..., :3], self._size_px)
-        pair = np.concatenate([source, avatar], axis=1)
+        pair = side_by_side(frame, state, self._draw_avatar(state), self._size_px)
         self._writer.write(cv2.cvtColor(pair, cv2.COLOR_RGB2BGR))
 
     def finish(self) -> None:
@@ -73,6 +72,20 @@ class SideBySideVideo:
         self._part.discard()
 
 
+def side_by_side(frame: Frame, state: FaceState, avatar: U8, size_px: tuple[int, int]) -> U8:
+    """Return the source with its landmarks beside the avatar, (H, 2 W, 3).
+
+    Args:
+        frame: The source's picture.
+        state: Solved from it.
+        avatar: (h, w, 3 or 4) of any size.
+        size_px: (W, H) of each half, at most the frame's.
+    """
+    width, height = size_px
+    source = annotated(frame.rgb, state)[:height, :width]
+    return np.concatenate([source, letterboxed(avatar[..., :3], size_px)], axis=1)
+
+
 def annotated(rgb: U8, state: FaceState) -> U8:
     """Return a copy of the picture (H, W, 3) with the landmarks, or a red frame if lost."""
     picture = np.ascontiguousarray(rgb).copy()
@@ -81,7 +94,7 @@ def annotated(rgb: U8, state: FaceState) -> U8:
         cv2.rectangle(picture, (0, 0), last, LOST_COLOR, 4)
         return picture
     points = np.round(state.landmarks_px * 2**SHIFT_BITS).astype(np.int32)
-    curves = [points[list(curve)].reshape(-1, 1, 2) for curve in CURVES]
+    curves = [points[curve].reshape(-1, 1, 2) for curve in DRAWN_CURVES]
     cv2.polylines(picture, curves, False, LINE_COLOR, 1, cv2.LINE_AA, SHIFT_BITS)
     for x, y in points.tolist():
         cv2.circle(picture, (x, y), 2**SHIFT_BITS, LINE_COLOR, -1, cv2.LINE_AA, SHIFT_BITS)

@@ -207,4 +207,4 @@ def test_a_folder_called_like_a_number_is_a_folder(tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_real_clip_is_read_whole(clips):
     source = VideoSource(clips / "person_a_2.mp4")
-    assert sum(1 for _ in iter(source.read, None)) == 765 == source.promised_frames
+    assert sum(1 for _ in iter(source.read, None)) == 765 == source.n_frames

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from app.errors import OutputError
+from app.recording.highlights import Highlights
 from app.recording.outputs import DiskError, Outputs
 from app.recording.table import HEADER, Table
 from app.recording.track_file import TrackFile
@@ -175,3 +176,22 @@ def test_a_full_disk_is_told_in_words(tmp_path, rng):
         outputs.add(full)
         outputs.write(make_frame(0), make_state(rng, 0))
     assert full.discarded
+
+
+def test_highlights_show_frames_spread_over_the_track_and_keep_the_states(tmp_path, rng):
+    drawn = []
+
+    def draw_avatar(state):
+        drawn.append(state.time_s)
+        return np.full((48, 64, 4), 200, np.uint8)
+
+    highlights = Highlights(tmp_path / "h.png", SIZE, draw_avatar, 60)
+    write(highlights, rng, n_frames=60)
+    assert [round(25 * time_s) for time_s in drawn] == [5, 15, 25, 35, 45, 55]
+    assert [state.time_s for state in highlights.states] == [n / 25 for n in range(60)]
+    assert cv2.imread(str(tmp_path / "h.png")).shape == (3 * 48, 2 * 2 * 64, 3)
+
+
+def test_highlights_of_nothing_leave_no_file(tmp_path, rng):
+    write(Highlights(tmp_path / "h.png", SIZE, lambda state: None, 0), rng, n_frames=0)
+    assert list(tmp_path.iterdir()) == []

@@ -16,7 +16,7 @@ class Playing:
     name, size_px, fps = "clip.mp4", (64, 48), 25.0
 
     def __init__(self, n_frames, promised=0, live=False):
-        self.left, self.promised_frames, self.live = n_frames, promised, live
+        self.left, self.n_frames, self.live = n_frames, promised, live
         self.given = 0
 
     def read(self):
@@ -28,7 +28,7 @@ class Playing:
         return frame
 
     def cut_short(self):
-        return self.given < 0.9 * self.promised_frames
+        return self.given < 0.9 * self.n_frames
 
 
 class EveryThirdLost:

@@ -9,6 +9,7 @@ from core import generations
 from core.arkit import EXPRESSION_NAMES
 from core.camera import camera_for
 from core.errors import ArrayShapeError
+from core.fern_regressor import FernRegressor
 from core.generations import (
     ProfileDamagedError,
     ProfileMissingError,
@@ -20,7 +21,6 @@ from core.generations import (
 )
 from core.plain_json import json_text
 from core.records import Landmarks2D, ModelFit, SetupShapes, UserBlendshapes
-from core.regressor import FernRegressor
 from core.store import Profile, load, load_pictures, save
 
 N, L, Q, V, B = 3, 75, 77, 11, len(EXPRESSION_NAMES)
@@ -28,15 +28,21 @@ T, P, K, F, D = 2, 9, 4, 2, 3
 
 
 def make_regressor(rng):
-    shapes = {
-        "corners": (T, P, 3), "weights": (T, P, 3), "offsets_mm": (T, P, 3), "members": (T, 2, 4),
-        "cell": (T, P), "softening": (), "pairs": (T, K, F, 2), "thresholds": (T, K, F),
+    numbers = {
+        "weights": (T, P, 3), "offsets_mm": (T, P, 3), "softening": (), "thresholds": (T, K, F),
         "leaves": (T, K, 2**F, D), "basis_mm": (T, D, Q, 3), "shapes_mm": (N, Q, 3),
-        "translations_mm": (6, 3), "check_corners": (7, 3), "check_weights": (7, 3),
-        "check_members": (2, 4), "check_cell": (7,), "check_mean": (7,), "check_basis": (2, 7),
-        "check_level": (), "check_softening": (),
+        "translations_mm": (6, 3), "mean_mm": (Q, 3), "size_gauge": (Q, 3),
+        "check_weights": (7, 3), "check_mean": (7,), "check_basis": (2, 7), "check_level": (),
+        "check_softening": (),
     }  # fmt: skip
-    return FernRegressor.from_arrays({k: 5 * rng.random(shape) for k, shape in shapes.items()})
+    indices = {
+        "corners": (T, P, 3), "members": (T, 2, 4), "cell": (T, P), "pairs": (T, K, F, 2),
+        "check_corners": (7, 3), "check_members": (2, 4), "check_cell": (7,),
+    }  # fmt: skip
+    arrays = {name: 50 * rng.random(shape) for name, shape in numbers.items()}
+    return FernRegressor.from_arrays(
+        arrays | {name: rng.integers(0, 2, shape) for name, shape in indices.items()}
+    )
 
 
 def make_profile(rng, name="pose_yaw"):

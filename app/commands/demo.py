@@ -1,0 +1,189 @@
+"""`facepuppet demo`: the virtual performer is set up and tracked, and its truth is known."""
+
+import argparse
+import sys
+import time
+from collections.abc import Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from app.commands.progress import TerminalProgress, duration
+from app.commands.track import seen_by, track
+from app.models import Models, live_tracker, load_models
+from app.painting import OWN, AvatarPainter, make_avatar
+from app.performer.opening import (
+    LIGHT_NAMES,
+    PEOPLE,
+    TAKE_NAMES,
+    Scenario,
+    open_performer,
+    setup_pictures,
+)
+from app.recording.highlights import Highlights
+from app.recording.outputs import Outputs
+from app.recording.sink import PartialFile
+from app.recording.track_file import TrackFile
+from app.recording.video import SideBySideVideo
+from app.setup_steps import from_folder, keep, make_profile
+from core.evaluation import Truth, against_truth
+from core.generations import check_target
+from core.plain_json import json_text
+from core.store import Profile
+
+DESCRIPTION = (
+    "Let the virtual performer follow the 60 prompts, make a profile, track a take, and report "
+    "the errors against the truth."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class DemoOptions:
+    """What the demo plays.
+
+    Attributes:
+        out: Folder for pictures, profile, video and report.
+        scenario: Person, take, light and camera.
+        seed: Of the training.
+    """
+
+    out: Path = Path("demo")
+    scenario: Scenario = field(default_factory=Scenario)
+    seed: int = 1
+
+
+def add_parser(commands: Any) -> None:
+    """Add the command and its options."""
+    parser = commands.add_parser("demo", help=DESCRIPTION, description=DESCRIPTION)
+    parser.add_argument("--out", type=Path, default=Path("demo"), metavar="FOLDER")
+    parser.add_argument("--take", choices=TAKE_NAMES, default="mixed")
+    parser.add_argument("--person", choices=PEOPLE, default=PEOPLE[0])
+    parser.add_argument("--light", choices=LIGHT_NAMES, default=LIGHT_NAMES[0])
+    parser.add_argument("--focal", type=float, default=620.0, metavar="PX", help="of the webcam")
+    parser.add_argument("--seed", type=int, default=1, help="of all random choices")
+    parser.add_argument("--json", action="store_true", help="print the whole report as JSON")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Play the demo; return the exit code."""
+    scenario = Scenario(args.take, args.person, args.light, args.focal, seed=args.seed)
+    return play(DemoOptions(args.out, scenario, args.seed), args.json)
+
+
+def play(options: DemoOptions, as_json: bool = False) -> int:
+    """Film, set up, track, compare; write everything to the folder and print the figures."""
+    started_s = time.monotonic()
+    check_target(options.out / "profile")
+    progress, models = TerminalProgress(sys.stderr), load_models()
+    truths = film_setup(options)
+    profile = set_up(options, models, progress)
+    report = perform(options, models, profile, progress)
+    focal_px = options.scenario.focal_px
+    report |= {
+        "setup": profile.report,
+        "setup_truth_mm": shape_errors_mm(profile, truths),
+        "focal_px": profile.camera.focal_px,
+        "focal_error_percent": 100 * (profile.camera.focal_px / focal_px - 1),
+        "seconds": time.monotonic() - started_s,
+    }
+    part = PartialFile(options.out / "report.json")
+    part.path.write_text(json_text(report), encoding="utf-8")
+    part.finish()
+    sys.stdout.write((json_text(report) if as_json else report_text(report)) + "\n")
+    sys.stderr.write(f"pictures, profile, video, track and report: {options.out.resolve()}\n")
+    return 0
+
+
+def film_setup(options: DemoOptions) -> dict[str, Truth]:
+    """Write the 60 setup pictures; return what is really there by name of the shot."""
+    sys.stderr.write("Filming the performer in the 60 setup poses\n")
+    folder = options.out / "setup"
+    folder.mkdir(parents=True, exist_ok=True)
+    truths = {}
+    for name, frame, truth in setup_pictures(options.scenario):
+        done, encoded = cv2.imencode(".png", cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2BGR))
+        (folder / f"{name}.png").write_bytes(encoded.tobytes() if done else b"")
+        truths[name] = truth
+    return truths
+
+
+def set_up(options: DemoOptions, models: Models, progress: TerminalProgress) -> Profile:
+    """Make and keep the profile from the pictures, as `facepuppet setup` does."""
+    started_s = time.monotonic()
+    pictures = progress.follow(from_folder(options.out / "setup", models.aligner))
+    rng = np.random.default_rng(options.seed)
+    steps = make_profile(models.face_model, pictures, None, rng)
+    profile, images = progress.follow(steps)
+    seconds = time.monotonic() - started_s
+    return keep(options.out / "profile", profile, images, source="setup", seconds=seconds)
+
+
+def perform(
+    options: DemoOptions, models: Models, profile: Profile, progress: TerminalProgress
+) -> dict[str, object]:
+    """Track the take, write it, and return its errors."""
+    # A take with other details than the setup session had.
+    scenario = replace(options.scenario, seed=options.scenario.seed + 1)
+    with ExitStack() as opened:
+        source = opened.enter_context(open_performer(scenario))
+        outputs = opened.enter_context(Outputs())
+        tracker = live_tracker(models, profile)
+        avatar = make_avatar(OWN, models.face_model, profile.user)
+        painter = AvatarPainter(avatar, seen_by(profile.camera, source.size_px))
+        opened.callback(painter.release)
+        highlights = Highlights(
+            options.out / "frames.png", source.size_px, painter.paint, source.n_frames
+        )
+        outputs.add(highlights)
+        outputs.add(TrackFile(options.out / "take.npz", lambda: tracker.camera))
+        video = options.out / "take.mp4"
+        outputs.add(SideBySideVideo(video, source.fps, source.size_px, painter.paint))
+        summary = progress.follow(track(source, tracker, outputs))
+        truths = [source.truth(n) for n in range(summary.frames)]
+        errors = against_truth(highlights.states, truths, source.camera)
+    return {"take": scenario.take, "step_ms": summary.step_ms, **errors}
+
+
+def shape_errors_mm(profile: Profile, truths: Mapping[str, Truth]) -> float:
+    """Return the mean distance of the setup shapes from the truth, up to the size of the face.
+
+    Size and distance of a face cannot be told apart by one camera: each shape is compared after
+    both are moved to the origin and scaled to the same size.
+    """
+    distances = []
+    for name, found in zip(profile.names, profile.shapes.points_mm, strict=True):
+        true = truths[name].points_mm - truths[name].points_mm.mean(axis=0)
+        here = found - found.mean(axis=0)
+        scale = np.sum(here * true) / np.sum(here**2)
+        distances.append(np.linalg.norm(scale * here - true, axis=1).mean())
+    return float(np.mean(distances))
+
+
+def report_text(report: Mapping[str, Any]) -> str:
+    """Return the figures that most people want."""
+    lines = [
+        f"setup           {duration(report['setup']['seconds'])} from pictures to profile, "
+        f"{report['setup']['pictures']} pictures, shapes off by {report['setup_truth_mm']:.1f} mm",
+        f"focal length    {report['focal_px']:.0f} px, off by "
+        f"{report['focal_error_percent']:+.1f} %",
+        f"take            {report['take']}: {report['frames']} frames, {report['lost']} lost, "
+        f"{report['step_ms']:.1f} ms per frame",
+    ]
+    if "rmse_px" in report:
+        under = report["share_under_px"].items()
+        lines += [
+            f"landmarks       {report['rmse_px']['mean']:.2f} px RMSE on average, "
+            + ", ".join(f"{100 * share:.1f} % under {limit} px" for limit, share in under),
+            f"depth           {report['depth_mm']['mean']:.1f} mm on average, below 40 degrees of "
+            "yaw and up to the size of the face",
+            f"head pose       {report['rotation_deg']['mean']:.1f} degrees",
+            f"coefficients    {report['coefficients_mean_abs']:.3f} on average, "
+            f"{report['coefficients_active_mean_abs']:.3f} where active",
+            f"gaze            {report['gaze_deg']['mean']:.1f} degrees",
+        ]
+    return "\n".join([*lines, f"time            {duration(report['seconds'])}"])

@@ -1,0 +1,45 @@
+"""No command: the live window, or the demo where no window can be shown."""
+
+import argparse
+import os
+import sys
+
+from app.commands.demo import DemoOptions, play
+
+NO_DISPLAY = (
+    "no display found (neither DISPLAY nor WAYLAND_DISPLAY is set): playing the demo instead; "
+    "see also: facepuppet --help\n"
+)
+
+
+def has_display() -> bool:
+    """Return whether a window can be shown; without a display Qt would abort the program."""
+    if not sys.platform.startswith("linux"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def run(args: argparse.Namespace) -> int:
+    """Open the window and return its exit code."""
+    if not has_display():
+        sys.stderr.write(NO_DISPLAY)
+        return play(DemoOptions())
+    return open_window(sys.argv[:1])
+
+
+def open_window(qt_arguments: list[str]) -> int:
+    """Show the live window until it is closed; return the exit code."""
+    # Qt needs more system libraries than the other commands, which must do without them.
+    from PySide6.QtWidgets import QApplication
+
+    from app.controllers.live import LiveController
+    from app.controllers.toolbox import Toolbox
+    from app.views.live_window import LiveWindow
+
+    application = QApplication(qt_arguments)
+    application.setApplicationName("facepuppet")
+    window = LiveWindow()
+    controller = LiveController(window, Toolbox())
+    controller.start()
+    window.show()
+    return int(application.exec())

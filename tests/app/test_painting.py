@@ -1,0 +1,61 @@
+import numpy as np
+import pytest
+
+from app.avatars.gallery import Gallery
+from app.painting import AVATARS, OWN, AvatarPainter, make_avatar
+from app.resources import asset
+from core.arkit import EXPRESSION_NAMES
+from core.camera import camera_for
+from core.face_model import deltas_mm, load_face_model, neutral_mm
+from core.geometry import matrix_from_head_angles, quaternion_from_matrix
+from core.records import FaceState, UserBlendshapes
+
+CAMERA = camera_for((160, 120), 160.0)
+
+
+@pytest.fixture(scope="module")
+def model():
+    return load_face_model(asset("face_model.npz"))
+
+
+def make_state(yaw=0.0, **expression):
+    weights = np.zeros(46)
+    for name, weight in expression.items():
+        weights[EXPRESSION_NAMES.index(name)] = weight
+    return FaceState(
+        0.0, quaternion_from_matrix(matrix_from_head_angles(yaw, 0, 0)), [0, 0, 600], weights,
+        np.zeros((2, 2)), np.zeros((75, 3)), np.zeros((75, 2)), 1.0, "trained", False,
+    )  # fmt: skip
+
+
+def test_the_list_of_avatars_is_that_of_the_gallery(model):
+    assert (OWN, *Gallery(asset("."), model).names) == AVATARS
+
+
+def test_the_own_head_has_the_users_shape(model):
+    identity = np.zeros(model.n_identities)
+    identity[:3] = 1.5
+    user = UserBlendshapes(identity, neutral_mm(model, identity), deltas_mm(model, identity))
+    avatar = make_avatar(OWN, model, user)
+    n_vertices = len(user.neutral_mm)
+    np.testing.assert_allclose(avatar.neutral_mm[:n_vertices], user.neutral_mm, atol=1e-4)
+    assert make_avatar(OWN, model).name == make_avatar(AVATARS[1], model).name
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("as_portrait", [True, False])
+def test_the_picture_follows_expression_and_head(model, as_portrait):
+    painter = AvatarPainter(make_avatar(AVATARS[1], model), CAMERA, as_portrait)
+    try:
+        rest = painter.paint(make_state()).astype(int)
+        open_mouth = painter.paint(make_state(jawOpen=1.0)).astype(int)
+        turned = painter.paint(make_state(yaw=0.6)).astype(int)
+        again = painter.paint(make_state()).astype(int)
+    finally:
+        painter.release()
+    assert rest.shape == (120, 160, 4)
+    np.testing.assert_array_equal(rest, again)
+    changed = [
+        (np.abs(other - rest)[..., :3].max(axis=2) > 16).mean() for other in (open_mouth, turned)
+    ]
+    assert 0 < changed[0] < changed[1]
