@@ -45,7 +45,7 @@ def frame_rmse_px(points_px: FloatArray, reference_px: FloatArray) -> FloatArray
         reference_px: (N, L, 2); a frame with a NaN gives NaN.
     """
     squares = np.sum((np.asarray(points_px) - reference_px) ** 2, axis=-1)
-    return np.sqrt(np.mean(squares, axis=-1))
+    return np.asarray(np.sqrt(np.mean(squares, axis=-1)))
 
 
 def share_under(errors: FloatArray, limits: Sequence[float]) -> dict[str, float]:
@@ -108,7 +108,7 @@ def against_reference(
     lost = np.array([state.lost for state in states])
     rmse = frame_rmse_px(points, reference_px)
     rmse[lost] = np.inf
-    seen = np.isfinite(reference_px).all(axis=(1, 2))
+    seen = np.asarray(np.isfinite(reference_px).all(axis=(1, 2)))
     finite = rmse[np.isfinite(rmse)]
     still = still_frames(np.where(seen[:, None, None], reference_px, 0.0)) & seen & ~lost
     angles = np.rad2deg(

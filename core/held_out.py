@@ -66,14 +66,14 @@ def held_out_report(
     """
     n_images = len(images_gray)
     held = np.arange(n_images) % settings.every == settings.every // 2
-    kept = np.flatnonzero(~held)
+    kept = np.flatnonzero(~held).tolist()
     training_set = make_training_set(
         [images_gray[n] for n in kept], camera, shapes.points_mm[kept], rng, training[0]
     )
     regressor = yield from train(training_set, rng, training[1])
     regression = Regression(regressor, camera)
     rows: list[tuple[int, FloatArray, FloatArray]] = []
-    for n in np.flatnonzero(held):
+    for n in np.flatnonzero(held).tolist():
         truth = shapes.points_mm[n]
         for start in _starts(shapes.points_mm[kept], truth, rng, settings):
             found = regression.run(images_gray[n], start).points_mm

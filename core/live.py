@@ -240,7 +240,7 @@ def tracker_model(model: FaceModel, user: UserBlendshapes) -> TrackerModel:
     radius = float(model.eyeball_radius_mm)
     return TrackerModel(
         user.neutral_mm[vertices],
-        user.deltas_mm[:, vertices],
+        user.deltas_mm[:, vertices].astype(np.float64),
         eye_centers_mm(model, user.neutral_mm),
         np.array([radius, radius]),
     )

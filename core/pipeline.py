@@ -147,10 +147,10 @@ def build(
     standard = images.standard
     if focal_px is None:
         search = estimate_focal(model, (width, height), landmarks, standard, settings.calibration)
-        focal: FocalEstimate | None = yield from stages.run("calibrate", search)
-        camera = focal.camera if focal else camera_for((width, height), 1.0)
+        focal = yield from stages.run("calibrate", search)
     else:
-        focal, camera = None, camera_for((width, height), focal_px)
+        focal = known_focal((width, height), focal_px)
+    camera = focal.camera
     fit = yield from stages.run("fit", fit_model(model, camera, landmarks, settings.fit, standard))
     user = user_blendshapes(model, fit)
     shapes = yield from stages.run(
@@ -164,8 +164,13 @@ def build(
     )
     samples = make_training_set(gray, camera, shapes.points_mm, rng, settings.training_set)
     regressor = yield from stages.run("train", train(samples, rng, settings.train))
-    report = _report(camera, focal, images, fit, shapes, dropped) | {"held_out": held_out}
+    report = _report(focal, images, fit, shapes, dropped) | {"held_out": held_out}
     return Built(camera, images, tuple(landmarks), fit, user, shapes, regressor, report)
+
+
+def known_focal(size_px: tuple[int, int], focal_px: float) -> FocalEstimate:
+    """Return the estimate of a focal length that need not be searched."""
+    return FocalEstimate(camera_for(size_px, focal_px), 0.0, np.empty(0), np.empty(0))
 
 
 LABELS = {
@@ -198,23 +203,22 @@ class _Stages:
 
 
 def _report(
-    camera: Camera, focal: FocalEstimate | None, images: SetupImages, fit: ModelFit,
-    shapes: SetupShapes, dropped: list[str],
+    focal: FocalEstimate, images: SetupImages, fit: ModelFit, shapes: SetupShapes,
+    dropped: list[str],
 ) -> dict[str, object]:  # fmt: skip
+    camera = focal.camera
     scale = TABLE_WIDTH_PX / camera.size_px[0]
     return {
         "pictures": len(images.images),
         "left_out": dropped,
         "size_px": list(camera.size_px),
         "focal_px": camera.focal_px,
-        "focal_source": "found" if focal else "given",
-        "focal_spread_percent": 100 * focal.spread if focal else 0.0,
+        "focal_source": "found" if len(focal.focals_px) else "given",
+        "focal_spread_percent": 100 * focal.spread,
         "focal_curve": [
             [float(px), float(error)]
             for px, error in zip(focal.focals_px, focal.errors, strict=True)
-        ]
-        if focal
-        else [],
+        ],
         "fit_rms_px_at_640": float(scale * np.sqrt(np.mean(fit.rms_px**2))),
         "shape_rms_px_at_640": float(scale * np.sqrt(np.mean(shapes.rms_px**2))),
         "picture_names": list(images.names),
