@@ -23,15 +23,18 @@ def gray_of(
 
 @numba.njit(cache=True, nogil=True)
 def _reach(gray: U8, y: int, x: int, along_x: bool, step: int) -> int:
-    """Return how many pixels, at most 9, the step between two rows or columns goes on."""
+    """Return how many pixels, at most 9, the step between two rows or columns goes on.
+
+    `int` of an unsigned number stays unsigned in numba, and differences wrap: hence int64.
+    """
     dy, dx = (0, step) if along_x else (step, 0)
     oy, ox = (1, 0) if along_x else (0, 1)
-    first = int(gray[y, x]) - int(gray[y + oy, x + ox])
+    first = numba.int64(gray[y, x]) - numba.int64(gray[y + oy, x + ox])
     for k in range(1, 9):
         py, px = y + k * dy, x + k * dx
         if py < 0 or px < 0 or py + oy >= gray.shape[0] or px + ox >= gray.shape[1]:
             return k
-        contrast = int(gray[py, px]) - int(gray[py + oy, px + ox])
+        contrast = numba.int64(gray[py, px]) - numba.int64(gray[py + oy, px + ox])
         if 2 * abs(contrast - first) > abs(first):
             return k
     return 9
@@ -51,8 +54,8 @@ def _smooth_step(picture: U8, gray: U8, y: int, x: int, along_x: bool, out: U8) 
     if py < 0 or px < 0 or py + oy >= gray.shape[0] or px + ox >= gray.shape[1]:
         return
     # Which side changes at the nearer end tells which side of the step the true edge cuts off.
-    end_here = abs(int(gray[py, px]) - int(gray[y, x]))
-    end_other = abs(int(gray[py + oy, px + ox]) - int(gray[y + oy, x + ox]))
+    end_here = abs(numba.int64(gray[py, px]) - numba.int64(gray[y, x]))
+    end_other = abs(numba.int64(gray[py + oy, px + ox]) - numba.int64(gray[y + oy, x + ox]))
     share = 0.5 - (near - 0.5) / (before + after - 1)
     for c in range(4):
         a, b = float(picture[y, x, c]), float(picture[y + oy, x + ox, c])
