@@ -44,7 +44,7 @@ COLORS = {
 }  # fmt: skip
 LIP_COLOR = np.array([0.50, 0.20, 0.18])
 BROW_COLOR = np.array([0.08, 0.05, 0.035])
-BROW = (10, 8, 6, 4, 2, 0)
+BROW = (8, 6, 4, 2, 0)
 LIPS = (44, 46, 48, 40, 49, 47, 45, 51, 41, 50)
 
 

@@ -9,7 +9,7 @@ from assets.build.face_model.factor import (
     Factored, delta_rows, factor_deltas, identity_modes, mirror_name, scores,
 )  # fmt: skip
 from assets.build.face_model.head import PART_NAMES, Head, build_head
-from assets.build.face_model.people import average_macro, make_people, neutral_of
+from assets.build.face_model.people import average_person, make_people, neutral_of
 from assets.build.face_model.sculpt import sculpt
 from assets.build.face_model.sculptor import Sculptor
 from assets.build.face_model.settle import Settler, make_settler
@@ -37,7 +37,7 @@ class Workshop:
 def open_workshop(wheel: Wheel) -> Workshop:
     """Return the sculpted reference head and what carries it to others."""
     head = build_head(wheel)
-    average = neutral_of(wheel, head, average_macro())
+    average = neutral_of(wheel, head, average_person(wheel))
     settle = make_settler(Sculptor(wheel, head, average))
     sculptor = Sculptor(wheel, head, settle(average))
     return Workshop(wheel, head, sculptor, settle, Transfer(sculptor, sculpt(sculptor), settle))

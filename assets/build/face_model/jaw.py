@@ -54,7 +54,7 @@ class Jaw:
 
 def hinge_vertices(head: Head, reference: np.ndarray) -> np.ndarray:
     """Return one skin vertex and its mirror image nearest to the joints before the ears."""
-    distance = np.linalg.norm(reference[:4177] - [66.0, 30.0, 58.0], axis=1)
+    distance = np.linalg.norm(reference[:4177] - [70.0, 31.0, 61.0], axis=1)
     left = int(distance.argmin())
     return np.array([left, head.mirror[left]])
 

@@ -10,14 +10,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from assets.build.face_model.head import Head
+from assets.build.face_model.seam import Edges, Seam
 from assets.build.face_model.surface import Loops, Surface, smooth_step
 
-OUTER_CORNER, INNER_CORNER = 18, 66
-RIM_START, RIM_NEXT, RIM_LENGTH = 0, 6, 28
+OUTER_CORNER, INNER_CORNER = 21, 66
+#: Edge loops around the opening: the rim in front and the inner edge towards the ball.
+RIM_START, INNER_EDGE_START, LOOP_LENGTH = (0, 6), (2115, 2120), 28
 #: Distance along the skin from the rim over which a lid's movement fades out.
-UPPER_REACH_MM, LOWER_REACH_MM, INSIDE_REACH_MM = 15.0, 11.0, 9.0
-#: Eyeballs this much smaller leave room for the straight path of a blink.
-EYEBALL_SCALE = 0.97
+UPPER_REACH_MM, LOWER_REACH_MM, INSIDE_REACH_MM = 16.0, 12.0, 9.5
+#: Distance along the skin over which closing the last gap of a blink fades out.
+CLOSE_REACH_MM = 8.0
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,8 @@ class Lids:
         skin: (k,) True where the vertex is skin in front of the ball.
         upper_rim: Rim vertices from the outer to the inner corner, over the upper lid.
         lower_rim: The same over the lower lid.
+        inner_edge: The closed loop of the lids' edge towards the ball.
+        seam: Closes the rims at the end of a blink.
     """
 
     vertices: np.ndarray
@@ -39,34 +43,50 @@ class Lids:
     skin: np.ndarray
     upper_rim: np.ndarray
     lower_rim: np.ndarray
+    inner_edge: np.ndarray
+    seam: Seam
 
 
 def right_lids(head: Head, surface: Surface, center: np.ndarray) -> Lids:
     """Return the lids of the right eye of the head whose surface is given."""
-    rim = Loops(head).along(RIM_START, RIM_NEXT, RIM_LENGTH)
+    loops = Loops(head)
+    rim = loops.along(*RIM_START, LOOP_LENGTH)
+    inner_edge = np.array(loops.along(*INNER_EDGE_START, LOOP_LENGTH))
     outer, inner = rim.index(OUTER_CORNER), rim.index(INNER_CORNER)
     lower_rim = np.array(rim[outer : inner + 1])
     upper_rim = np.array([*rim[inner:], *rim[: outer + 1]])[::-1]
-    to_upper = surface.distance(upper_rim[1:-1])
-    to_lower = surface.distance(lower_rim[1:-1])
-    radius = np.linalg.norm(surface.points - center, axis=1)
-    inside = (radius < radius[rim].min() - 0.2) & (np.minimum(to_upper, to_lower) < 25)
-    reach = np.where(inside, INSIDE_REACH_MM, np.where(to_upper < to_lower, UPPER_REACH_MM,
-                                                        LOWER_REACH_MM))  # fmt: skip
-    share = 1 - smooth_step(np.minimum(to_upper, to_lower) / reach)
+    seam = lid_seam(upper_rim, lower_rim, surface, center)
+    to_rim = surface.distance(rim)
+    inside = surface.distance(inner_edge) < to_rim
+    reach = np.where(seam.is_upper, UPPER_REACH_MM, LOWER_REACH_MM)
+    share = 1 - smooth_step(to_rim / np.where(inside, INSIDE_REACH_MM, reach))
     vertices = np.flatnonzero(share > 0)
-    is_upper = (to_upper < to_lower)[vertices]
-    share = share[vertices]
+    is_upper, share = seam.is_upper[vertices], share[vertices]
     lashes = [head.group["helper-r-eyelashes-1"], head.group["helper-r-eyelashes-2"]]
-    ones = [np.ones(len(group)) for group in lashes]
+    ones, zeros = ([np.full(len(group), x) for group in lashes] for x in (1.0, 0.0))
     return Lids(
         vertices=np.concatenate([vertices, *lashes]),
-        upper=np.concatenate([np.where(is_upper, share, 0), 0 * ones[0], ones[1]]),
-        lower=np.concatenate([np.where(is_upper, 0, share), ones[0], 0 * ones[1]]),
-        skin=np.concatenate([~inside[vertices], 0 * ones[0] > 0, 0 * ones[1] > 0]),
+        upper=np.concatenate([np.where(is_upper, share, 0), zeros[0], ones[1]]),
+        lower=np.concatenate([np.where(is_upper, 0, share), ones[0], zeros[1]]),
+        skin=np.concatenate([~inside[vertices], zeros[0] > 0, zeros[1] > 0]),
         upper_rim=upper_rim,
         lower_rim=lower_rim,
+        inner_edge=inner_edge,
+        seam=seam,
     )
+
+
+def lid_seam(
+    upper_rim: np.ndarray, lower_rim: np.ndarray, surface: Surface, center: np.ndarray
+) -> Seam:
+    """Return what closes the last gap between the rims."""
+    longitude = polar(surface.points, center)[0]
+    outer, inner = longitude[[OUTER_CORNER, INNER_CORNER]]
+    # The rims bend round at the corners, so they must be closed up to the very ends.
+    place = 0.97 * (2 * (longitude - outer) / (inner - outer) - 1)
+    corners = np.array([OUTER_CORNER, INNER_CORNER])
+    edges = Edges(upper_rim[1:-1], lower_rim[1:-1], corners, place, 0.03)
+    return Seam(edges, surface, CLOSE_REACH_MM)
 
 
 def polar(points: np.ndarray, center: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -99,15 +119,16 @@ class LidMove:
         upper: Share of the opening that the upper lid goes down; negative goes up.
         lower: Share that the lower lid goes up.
         settle: Share of the way from its fold to the lid's thickness that moving skin goes.
-        overlap_rad: Extra latitude of the upper rim, in the middle of the eye.
         lift_mm: Extra radius of the moving skin.
+        overlap_mm: How far the closed upper rim reaches below the lower one; None leaves the
+            rims apart.
     """
 
     upper: float
     lower: float
     settle: float = 0.0
-    overlap_rad: float = 0.0
     lift_mm: float = 0.0
+    overlap_mm: float | None = None
 
 
 def move_lids(lids: Lids, points: np.ndarray, center: np.ndarray, move: LidMove) -> np.ndarray:
@@ -118,12 +139,12 @@ def move_lids(lids: Lids, points: np.ndarray, center: np.ndarray, move: LidMove)
     upper, thickness = along_rim(upper_rim, longitude)
     opening = np.maximum(along_rim(lower_rim, longitude)[0] - upper, 0)
     middle = opening / max(opening.max(), 1e-6)
-    down = lids.upper * (move.upper * opening + move.overlap_rad * np.sqrt(middle))
-    up = lids.lower * move.lower * opening
+    turn = lids.upper * move.upper * opening - lids.lower * move.lower * opening
     moved = np.abs(lids.upper * move.upper) * middle
     settled = radius + move.settle * moved * np.where(lids.skin, thickness - radius, 0.0)
     settled += move.lift_mm * moved * lids.skin
-    out = np.zeros_like(points)
-    target = from_polar(center, longitude, latitude + down - up, settled)
-    out[lids.vertices] = target - points[lids.vertices]
-    return out
+    out = points.copy()
+    out[lids.vertices] = from_polar(center, longitude, latitude + turn, settled)
+    if move.overlap_mm is not None:
+        out = lids.seam.close(out, move.overlap_mm, ahead_mm=0.15, upper_share=0.0)
+    return np.asarray(out - points)

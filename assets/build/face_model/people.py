@@ -11,7 +11,7 @@ RACES = ("african", "asian", "caucasian")
 FOLDERS = ("head", "forehead", "eyes", "eyebrows", "nose", "mouth", "cheek", "chin", "ears", "neck")
 #: Standard deviation of the local knobs of a folder; larger ones make angry or odd faces.
 SIGMA = {
-    "head": 0.22, "forehead": 0.25, "eyes": 0.22, "eyebrows": 0.2, "nose": 0.18, "mouth": 0.2,
+    "head": 0.17, "forehead": 0.22, "eyes": 0.22, "eyebrows": 0.2, "nose": 0.18, "mouth": 0.2,
     "cheek": 0.3, "chin": 0.25, "ears": 0.25, "neck": 0.2, "asym": 0.12,
 }  # fmt: skip
 #: Knobs that move or scale whole heads and necks, or belong to other species.
@@ -22,6 +22,12 @@ HELD_OUT = (
     "mouth-cupidsbow-width", "eye-bag-height", "eye-eyefold-concave", "eye-eyefold-convex",
     "head-diamond", "forehead-nubian", "cheek-inner", "ear-flap",
 )  # fmt: skip
+#: Middle of some knobs: the source's average nose and chin are smaller and its eyes higher than
+#: those of the mean face that face trackers use.
+CENTER = {
+    "nose-scale-depth-incr": 0.3, "nose-trans-forward": 0.2, "nose-curve-convex": 0.15,
+    "chin-prominent-incr": 0.2, "chin-prognathism-incr": 0.1, "l-eye-trans-up": -0.15,
+}  # fmt: skip
 ENDS = (
     ("decr", "incr"), ("down", "up"), ("in", "out"), ("backward", "forward"),
     ("compress", "uncompress"), ("concave", "convex"), ("lower", "higher"),
@@ -36,6 +42,10 @@ class Knob:
     folder: str
     low: tuple[str, ...]
     high: tuple[str, ...]
+
+    def at(self, value: float) -> dict[str, float]:
+        """Return the weight of each target when the knob is turned to a value."""
+        return dict.fromkeys(self.high if value > 0 else self.low, abs(value))
 
     @property
     def held_out(self) -> bool:
@@ -104,14 +114,17 @@ def ends(value: float, kind: str) -> dict[str, float]:
     return {f"min{kind}": low, f"average{kind}": 1 - low - high, f"max{kind}": high}
 
 
-def average_macro() -> dict[str, float]:
+def average_person(wheel: Wheel) -> dict[str, float]:
     """Return the weights of a young adult between all groups: the head we sculpt on."""
-    return macro_weights(0.52, 0.5, np.full(3, 1 / 3), (0.5, 0.5))
+    out = macro_weights(0.52, 0.5, np.full(3, 1 / 3), (0.5, 0.5))
+    for knob in local_knobs(wheel):
+        out |= knob.at(CENTER.get(knob.name, 0.0))
+    return out
 
 
 def random_macro(rng: np.random.Generator) -> dict[str, float]:
     """Return the macro weights of a random adult or teenager."""
-    age = float(np.clip(rng.beta(1.6, 2.2) * 0.62 + 0.36, 0.36, 0.98))
+    age = float(np.clip(rng.beta(1.6, 2.2) * 0.58 + 0.40, 0.40, 0.98))
     gender = float(np.clip(rng.choice([0.12, 0.88]) + rng.normal(0, 0.12), 0, 1))
     races = rng.dirichlet([0.45, 0.45, 0.45])
     muscle = float(np.clip(rng.normal(0.5, 0.14), 0.15, 0.85))
@@ -119,17 +132,13 @@ def random_macro(rng: np.random.Generator) -> dict[str, float]:
     return macro_weights(age, gender, races, (muscle, weight))
 
 
-def random_locals(
-    wheel: Wheel, rng: np.random.Generator, held_out: bool, amount: float = 1.0
-) -> dict[str, float]:
+def random_locals(wheel: Wheel, rng: np.random.Generator, held_out: bool) -> dict[str, float]:
     """Return random weights of local targets and of slight asymmetries."""
     out: dict[str, float] = {}
     for knob in local_knobs(wheel):
-        value = float(np.clip(rng.normal(0, SIGMA[knob.folder]) * amount, -0.6, 0.6))
-        if knob.held_out and not held_out:
-            continue
-        for target in knob.high if value > 0 else knob.low:
-            out[target] = abs(value)
+        value = CENTER.get(knob.name, 0.0) + rng.normal(0, SIGMA[knob.folder])
+        if held_out or not knob.held_out:
+            out |= knob.at(float(np.clip(value, -0.6, 0.6)))
     for name in wheel.target_names("asym"):
         if not name.startswith("asymm"):
             out[f"asym/{name}"] = abs(float(np.clip(rng.normal(0, SIGMA["asym"]), -0.4, 0.4)))

@@ -38,7 +38,7 @@ class Sculpture:
 
 def sculpt(sculptor: Sculptor) -> Sculpture:
     """Return all left and central expressions on the reference head."""
-    jaw = make_jaw(sculptor, sculpt_open.OPEN)
+    jaw = make_jaw(sculptor, sculpt_open.TARGET_OPEN)
     opened = sculpt_open.jaw_open(sculptor, jaw)
     fields = {
         "jawOpen": opened,

@@ -9,11 +9,11 @@ from assets.build.face_model.sculptor import Sculptor
 
 # Left vertices by what they are.
 BROW_INNER, BROW_LOWER_INNER, BROW_MIDDLE, BROW_ARCH, BROW_OUTER = 2341, 2301, 2339, 2340, 2388
-GLABELLA, NOSE_BRIDGE = 169, 132
+GLABELLA, NOSE_TIP, UNDER_EYE = 169, 297, 3459
 CHEEK_BONE, CHEEK_FRONT, CHEEK_SIDE, CHEEK_LOW = 3691, 2346, 3718, 3675
 NOSE_WING, NOSE_SIDE, NASOLABIAL = 3450, 3641, 3707
 FOREHEAD_INNER, FOREHEAD_OUTER = 2364, 3648
-JOWL, CHEEK_HOLLOW = 3618, 3676
+JOWL, CHEEK_HOLLOW, CHEEK_BACK, CHEEK_DEEP, BESIDE_MOUTH = 3618, 3676, 3686, 3677, 3539
 
 
 def brow_down(s: Sculptor) -> np.ndarray:
@@ -58,10 +58,10 @@ def brow_outer_up(s: Sculptor) -> np.ndarray:
 def cheek_squint(s: Sculptor) -> np.ndarray:
     """Return cheekSquint: the cheek rises and bulges under the eye; lids follow elsewhere."""
     goals = {
-        CHEEK_BONE: (0.8, -6.0, -3.2),
-        CHEEK_FRONT: (0.8, -4.2, -2.0),
-        CHEEK_SIDE: (1.0, -4.5, -2.6),
-        3459: (0.2, -2.8, -1.6),
+        CHEEK_BONE: (1.0, -7.0, -4.2),
+        CHEEK_FRONT: (1.0, -5.0, -3.0),
+        CHEEK_SIDE: (1.4, -5.5, -3.4),
+        UNDER_EYE: (0.2, -3.4, -2.4),
         NASOLABIAL: (0.5, -2.4, -0.8),
         NOSE_WING: (0.2, -0.6, 0.0),
         BROW_OUTER: (0.0, 0.0, 0.0),
@@ -72,8 +72,8 @@ def cheek_squint(s: Sculptor) -> np.ndarray:
 def eye_squint(s: Sculptor) -> np.ndarray:
     """Return the skin's part of eyeSquint: it bunches up under and beside the lower lid."""
     goals = {
-        2346: (-0.6, -2.2, -1.0),
-        3459: (0.2, -1.4, -0.8),
+        CHEEK_FRONT: (-0.6, -2.2, -1.0),
+        UNDER_EYE: (0.2, -1.4, -0.8),
         BROW_OUTER: (-0.6, 1.4, 0.0),
         BROW_ARCH: (0.0, 1.0, 0.0),
         CHEEK_BONE: (0.0, -1.5, -0.6),
@@ -90,7 +90,7 @@ def nose_sneer(s: Sculptor) -> np.ndarray:
         NASOLABIAL: (0.2, -4.4, -1.8),
         NOSE_SIDE: (0.6, -3.2, -1.6),
         BROW_LOWER_INNER: (-0.8, 1.8, -0.6),
-        297: (0.0, -0.9, 0.2),
+        NOSE_TIP: (0.0, -0.9, 0.2),
     }
     field = s.reach(base, goals, 26.0)
     return s.seal(field, 0.35)
@@ -98,18 +98,30 @@ def nose_sneer(s: Sculptor) -> np.ndarray:
 
 def cheek_puff(s: Sculptor) -> np.ndarray:
     """Return cheekPuff: the cheek blows up between cheek bone, jaw and lips."""
-    field = s.bump(CHEEK_LOW, 15.0, (2.0, 0.0, 0.0), 9.0)
-    field += s.bump(JOWL, 13.0, (2.0, 0.0, 0.0), 3.5)
-    goals = s.lips("seam", (0.0, 0.0, -0.8), (0.4, 0.4, -2.2), (0.0, 0.0, 0.0))
-    goals |= {NASOLABIAL: (1.0, -0.6, -4.0), CHEEK_BONE: (0.4, -0.8, -1.2)}
-    return s.seal(s.reach(field, goals, 22.0))
+    goals = s.lips("seam", (0.0, 0.0, -1.0), (0.2, 0.4, -3.0), (0.0, 0.0, 0.0))
+    goals |= {
+        CHEEK_LOW: (6.0, -0.6, -9.5),
+        CHEEK_HOLLOW: (8.0, -0.6, -9.0),
+        CHEEK_BACK: (8.0, 0.4, -5.0),
+        CHEEK_DEEP: (8.5, 0.8, -9.0),
+        JOWL: (6.5, 1.4, -6.0),
+        BESIDE_MOUTH: (2.2, 0.2, -6.5),
+        NASOLABIAL: (1.2, -0.8, -4.5),
+        CHEEK_BONE: (0.6, -0.8, -1.4),
+    }
+    return s.seal(s.reach(np.zeros_like(s.reference), goals, 24.0))
 
 
 def cheek_suck(s: Sculptor) -> np.ndarray:
     """Return cheekSuck: both cheeks hollow between the teeth, the lips narrow."""
-    field = s.bump(CHEEK_HOLLOW, 13.0, (-2.0, 0.0, 0.0), -8.0)
-    corner = (-2.6, 0.0, -1.2)
-    other = (2.6, 0.0, -1.2)
-    field = s.both(field)
-    goals = s.lips("seam", (0.0, 0.0, -1.4), corner, other)
-    return s.seal(s.reach(field, goals, 20.0))
+    goals = s.lips("seam", (0.0, 0.0, -1.6), (-3.0, 0.0, -1.6), (3.0, 0.0, -1.6))
+    hollow = {
+        CHEEK_LOW: (-4.5, 0.2, 5.5),
+        CHEEK_HOLLOW: (-6.5, 0.0, 6.5),
+        CHEEK_BACK: (-6.0, 0.0, 4.0),
+        BESIDE_MOUTH: (-2.6, 0.0, 1.4),
+        CHEEK_SIDE: (-1.0, 0.4, 1.6),
+    }
+    goals |= hollow
+    goals |= {int(s.head.mirror[v]): (-d[0], d[1], d[2]) for v, d in hollow.items()}
+    return s.seal(s.reach(np.zeros_like(s.reference), goals, 24.0))

@@ -11,7 +11,7 @@ from assets.build.face_model.sculpt_face import (
 from assets.build.face_model.sculptor import Sculptor, Vector
 
 STILL: Vector = (0.0, 0.0, 0.0)
-CHIN, CHIN_UPPER, SUBNASALE = 1505, 733, 312
+CHIN, CHIN_UPPER, SUBNASALE, DIMPLE = 1505, 733, 312, 3539
 
 
 def flipped(vector: Vector) -> Vector:
@@ -50,11 +50,17 @@ def frown(s: Sculptor) -> np.ndarray:
 
 def dimple(s: Sculptor) -> np.ndarray:
     """Return mouthDimple: the corner is pulled back into the cheek, which dents beside it."""
-    base = s.left(s.unit("mouth-retraction"))
-    goals = s.lips("seam", (0.8, -0.2, 1.0), (6.5, -2.0, 7.5), STILL, power=1.4)
-    goals |= s.lips("border", (0.8, 0.8, 1.8), (7.0, -2.0, 8.0), STILL, upper=True, power=1.4)
-    goals |= s.lips("border", (0.8, -0.8, 1.8), (7.0, -2.0, 8.0), STILL, upper=False, power=1.4)
-    goals |= {CHEEK_LOW: (4.0, -1.0, 1.0), NASOLABIAL: (1.6, -0.8, -1.2)}
+    base = 1.2 * s.left(s.unit("mouth-retraction"))
+    corner, rim = (7.5, -2.6, 9.0), (8.0, -2.6, 10.0)
+    goals = s.lips("seam", (0.8, -0.2, 1.4), corner, STILL, power=1.4)
+    goals |= s.lips("border", (0.8, 1.4, 2.2), rim, STILL, upper=True, power=1.4)
+    goals |= s.lips("border", (0.8, -1.4, 2.2), rim, STILL, upper=False, power=1.4)
+    goals |= {
+        CHEEK_LOW: (4.6, -1.4, -1.6),
+        NASOLABIAL: (2.0, -1.2, -2.0),
+        JOWL: (2.4, -0.6, -1.2),
+        DIMPLE: (5.4, -2.0, 6.0),
+    }
     return s.seal(s.reach(base, goals, 26.0))
 
 
@@ -75,15 +81,17 @@ def stretch(s: Sculptor) -> np.ndarray:
 
 def press(s: Sculptor) -> np.ndarray:
     """Return mouthPress: the lips are pressed together, their red thins, the rims bulge."""
-    base = 0.25 * s.left(s.unit("mouth-compression"))
-    corner = (1.6, -0.6, 2.0)
-    goals = s.lips("seam", (0.0, 0.0, 2.6), corner, STILL, power=2.5)
-    goals |= s.lips("full", (0.0, 2.6, 2.6), corner, STILL, upper=True, power=2.5)
-    goals |= s.lips("border", (0.0, 2.8, 0.6), corner, STILL, upper=True, power=2.5)
-    goals |= s.lips("full", (0.0, -2.8, 2.6), corner, STILL, upper=False, power=2.5)
-    goals |= s.lips("border", (0.0, -3.4, 0.4), corner, STILL, upper=False, power=2.5)
+    base = 0.4 * s.left(s.unit("mouth-compression"))
+    corner = (2.6, -1.4, 3.2)
+    goals = s.lips("seam", (0.0, 0.0, 4.4), corner, STILL, power=2.5)
+    for ring, up, down, back in (
+        ("inner", 1.0, -1.0, 5.2), ("full", 3.6, -4.2, 4.8), ("outer", 4.2, -5.2, 2.8),
+        ("border", 3.8, -4.8, 0.4), ("skin", 2.4, -2.8, -1.2),
+    ):  # fmt: skip
+        goals |= s.lips(ring, (0.0, up, back), corner, STILL, upper=True, power=2.5)
+        goals |= s.lips(ring, (0.0, down, back), corner, STILL, upper=False, power=2.5)
     goals = left_goals(s, goals)
-    goals |= {CHIN_UPPER: (0.0, -1.4, -1.4), CHEEK_LOW: (1.2, -0.4, -1.0)}
+    goals |= {CHIN_UPPER: (0.0, -2.4, -1.8), CHEEK_LOW: (2.0, -0.4, -2.2)}
     return s.seal(s.reach(base, goals, 24.0))
 
 

@@ -9,18 +9,20 @@ from assets.build.face_model.sculpt_mouth import (
 )  # fmt: skip
 from assets.build.face_model.sculptor import Sculptor, Vector
 
-OPEN = JawMove(open_rad=0.42, shift_mm=(0.0, 2.0, -3.5))
+#: The jaw movement that the source's open mouth stands for, and ours, which opens further.
+TARGET_OPEN = JawMove(open_rad=0.40, shift_mm=(0.0, 2.0, -3.5))
+OPEN = JawMove(open_rad=0.51, shift_mm=(0.0, 2.4, -4.0))
 FORWARD = JawMove(shift_mm=(0.0, 1.2, -8.0))
-LEFT = JawMove(left_rad=0.085, shift_mm=(3.0, 0.8, 0.0))
+LEFT = JawMove(left_rad=0.115, shift_mm=(4.0, 0.8, 0.0))
 #: Share of the source's own open mouth in the skin of ours: it brings folds of the cheeks.
-TARGET_SHARE = 0.3
+TARGET_SHARE = 0.25
 #: Share of the opening at which mouthClose brings the lips together, from the upper lip.
 LOWER_SHARE = 0.42
 
 
 def jaw_open(s: Sculptor, jaw: Jaw) -> np.ndarray:
     """Return jawOpen: the jaw turns about its hinge and glides forward."""
-    ours, theirs = jaw.move(s.reference, OPEN), s.unit("mouth-open") * 1.12
+    ours, theirs = jaw.move(s.reference, OPEN), s.unit("mouth-open") * 1.2
     return ours + TARGET_SHARE * s.skin_only(theirs - ours)
 
 
@@ -43,8 +45,8 @@ def lifted_to_seal(s: Sculptor, field: np.ndarray) -> np.ndarray:
 def jaw_left(s: Sculptor, jaw: Jaw) -> np.ndarray:
     """Return jawLeft: the chin swings to the left and takes the lips along in part."""
     field = jaw.move(s.reference, LEFT)
-    goals = s.lips("seam", (6.0, 0.0, 0.0), (5.6, 0.2, 1.2), (5.8, 0.0, -0.8), upper=True)
-    goals |= s.lips("seam", (8.4, 0.0, 0.0), (5.6, 0.2, 1.2), (5.8, 0.0, -0.8), upper=False)
+    goals = s.lips("seam", (7.0, 0.0, 0.0), (6.6, 0.2, 1.4), (6.8, 0.0, -1.0), upper=True)
+    goals |= s.lips("seam", (9.6, 0.0, 0.0), (6.6, 0.2, 1.4), (6.8, 0.0, -1.0), upper=False)
     return lifted_to_seal(s, s.reach(field, goals, 22.0))
 
 
@@ -60,10 +62,12 @@ def mouth_close(s: Sculptor, opened: np.ndarray) -> np.ndarray:
     upper, lower = (along_lip(side, moved, lip) for lip in (s.chart.upper, s.chart.lower))
     target = upper + LOWER_SHARE * (lower - upper)
     goals: dict[int, Vector] = {}
-    # The lips keep their thickness: all their rings go with the seam.
+    # The lips keep their thickness: all their rings go with the seam, up to near the corners.
+    inner = np.abs(side) < 0.93
     for ring in ("outer", "full", "middle", "inner", "edge", "seam", "behind", "deep"):
-        vertices = s.chart.ring(ring)
-        goals |= dict(zip(vertices.tolist(), map(tuple, target - opened[vertices]), strict=True))
+        vertices = s.chart.ring(ring)[inner]
+        shift = target[inner] - opened[vertices]
+        goals |= dict(zip(vertices.tolist(), map(tuple, shift), strict=True))
     closed = s.reach(np.zeros_like(opened), goals, 42.0)
     return s.seal(opened + closed) - opened
 
@@ -77,13 +81,13 @@ def along_lip(side: np.ndarray, moved: np.ndarray, lip: np.ndarray) -> np.ndarra
 
 def funnel(s: Sculptor) -> np.ndarray:
     """Return mouthFunnel: the lips open to an O, forward and turned out."""
-    base = s.unit("mouth-protusion") * 0.7
+    base = s.unit("mouth-protusion") * 0.45
     corner = (-7.0, 0.6, -5.5)
-    goals = s.lips("seam", (0.0, -3.6, -6.5), corner, flipped(corner), upper=True, power=1.5)
-    goals |= s.lips("seam", (0.0, 7.5, -5.5), corner, flipped(corner), upper=False, power=1.5)
+    goals = s.lips("seam", (0.0, -4.6, -7.5), corner, flipped(corner), upper=True, power=1.5)
+    goals |= s.lips("seam", (0.0, 8.5, -6.5), corner, flipped(corner), upper=False, power=1.5)
     rim = (-5.5, 0.4, -4.0)
-    goals |= s.lips("border", (0.0, -4.4, -6.0), rim, flipped(rim), upper=True, power=1.5)
-    goals |= s.lips("border", (0.0, 7.5, -5.0), rim, flipped(rim), upper=False, power=1.5)
+    goals |= s.lips("border", (0.0, -5.2, -6.6), rim, flipped(rim), upper=True, power=1.5)
+    goals |= s.lips("border", (0.0, 8.6, -5.6), rim, flipped(rim), upper=False, power=1.5)
     sides = {NASOLABIAL: (-1.4, 1.0, 0.2), CHEEK_LOW: (-3.0, 1.2, 0.4)}
     goals |= sides | {int(s.head.mirror[v]): flipped(d) for v, d in sides.items()}
     return s.reach(base, goals, 30.0)
@@ -104,8 +108,8 @@ def upper_up(s: Sculptor) -> np.ndarray:
     """Return mouthUpperUp: the upper lip's left half goes up and shows the teeth."""
     base = 0.3 * s.left(s.unit("mouth-elevation"))
     corner = (1.0, -1.8, 1.2)
-    goals = s.lips("seam", (0.4, -6.4, -0.2), corner, STILL, upper=True, power=2.2)
-    goals |= s.lips("border", (0.4, -6.0, -0.4), corner, STILL, upper=True, power=2.2)
+    goals = s.lips("seam", (0.4, -7.4, -0.2), corner, STILL, upper=True, power=2.2)
+    goals |= s.lips("border", (0.4, -6.8, -0.4), corner, STILL, upper=True, power=2.2)
     goals |= s.lips("seam", (0.0, 0.0, 0.0), corner, STILL, upper=False, power=3.0)
     goals = left_goals(s, goals)
     goals |= {

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from assets.build.face_model.head import Head
-from assets.build.face_model.mouth import CORNER_LEFT, CORNER_RIGHT, MouthChart, Seal
+from assets.build.face_model.mouth import CORNER_LEFT, CORNER_RIGHT, MouthChart, lip_seam
 from assets.build.face_model.people import RACES
 from assets.build.face_model.source import Wheel
 from assets.build.face_model.surface import Surface, smooth_step
@@ -25,10 +25,14 @@ class Sculptor:
         self.wheel, self.head, self.reference = wheel, head, reference
         self.surface = Surface(head, reference)
         self.chart = MouthChart(head, self.surface)
-        self.seal = Seal(self.chart, self.surface)
+        self.lip_seam = lip_seam(self.chart, self.surface)
         x = reference[:, 0]
         self.left_share = smooth_step(0.5 + 0.5 * x / MIDLINE_MM)
         self.mouth_distance = self.surface.distance(self.chart.ring("border"))
+
+    def seal(self, field: np.ndarray, upper_share: float = 0.5) -> np.ndarray:
+        """Return a displacement changed so that the lips stay together."""
+        return self.lip_seam.together(field, upper_share)
 
     def unit(self, name: str) -> np.ndarray:
         """Return one of the source's expression targets on the skin, mean of its versions."""

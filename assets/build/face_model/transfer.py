@@ -23,7 +23,7 @@ SIGMA_MM, CUT_MM = 10.0, 22.0
 RIDGE_MM2 = 12.0
 #: Distance from the lids' rims within which other shapes fade out.
 QUIET_MM = 9.0
-BLINK = LidMove(upper=0.90, lower=0.10, settle=0.7, overlap_rad=np.deg2rad(1.2), lift_mm=0.3)
+BLINK = LidMove(upper=0.90, lower=0.10, settle=0.7, lift_mm=0.3, overlap_mm=0.45)
 LID_MOVES = {
     "eyeBlinkLeft": BLINK,
     "eyeWideLeft": LidMove(upper=-0.30, lower=-0.06),
@@ -34,6 +34,8 @@ LID_MOVES = {
     "noseSneerLeft": LidMove(upper=0.0, lower=0.06),
 }
 JAW_MOVES = {"jawOpen": OPEN, "jawForward": FORWARD, "jawLeft": LEFT}
+#: The tongue sinks to the floor of an open mouth.
+TONGUE_REST_MM = {"jawOpen": np.array([0.0, 3.5, 5.0])}
 #: Closed shapes and the share of the upper lip in the common movement of the lips.
 SEALED = dict.fromkeys(CLOSED_MOUTH, 0.5) | {
     "mouthRollLower": 0.75, "mouthRollUpper": 0.25, "mouthShrugUpper": 0.7,
@@ -46,7 +48,7 @@ class Transfer:
 
     def __init__(self, sculptor: Sculptor, sculpture: Sculpture, settler: Settler) -> None:
         self.names = tuple(sorted({*sculpture.fields, *LID_MOVES}))
-        self._seal, self._jaw, self._settler = sculptor.seal, sculpture.jaw, settler
+        self._sculptor, self._jaw, self._settler = sculptor, sculpture.jaw, settler
         quiet = quiet_lids(sculptor, settler)
         empty = np.zeros_like(sculptor.reference)
         fields = [sculpture.fields.get(name, empty) for name in self.names]
@@ -74,12 +76,13 @@ class Transfer:
         out = np.zeros_like(points)
         out[: len(skin)] = skin
         if name in SEALED:
-            out = self._seal(out, SEALED[name])
+            out = self._sculptor.seal(out, SEALED[name])
         if name in LID_MOVES:
             out += self._settler.lid_move(points, LID_MOVES[name], left=True)
         if name in JAW_MOVES:
             bone = self._jaw.bone
             out[bone] = self._jaw.rigid(points, JAW_MOVES[name])[bone]
+            out[self._settler.head.group["helper-tongue"]] += TONGUE_REST_MM.get(name, 0.0)
         return out
 
 
