@@ -31,7 +31,7 @@ _FLOOR = 0.1
 _MOST = 6.0
 #: How much more a frame may deviate for the leverage of its causes: what a rare pose looks like is
 #: foretold badly.
-_RARITY = 20.0
+_RARITY = 0.025
 _ROUNDS = 10
 _RIDGE = 1e-2
 
@@ -93,9 +93,10 @@ def _foretold(design: FloatArray, levels: FloatArray, weights: FloatArray) -> Fl
 
 
 def _leverage(design: FloatArray, trust: FloatArray) -> FloatArray:
-    """Return how little the other frames say about one with such causes (N,)."""
+    """Return how little the other frames say about one with such causes (N,), F on average."""
     normal = design.T @ (trust[:, None] * design) + _ridge(design)
-    return np.asarray(np.einsum("nf,fn->n", design, np.linalg.solve(normal, design.T)))
+    share = np.einsum("nf,fn->n", design, np.linalg.solve(normal, design.T))
+    return np.asarray(len(design) * share)
 
 
 def _ridge(design: FloatArray) -> FloatArray:
