@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from core.appearance import AppearancePoints
 from core.errors import ArrayShapeError
-from core.records import F32, I32, FloatArray, freeze
+from core.records import F32, I8, I32, FloatArray, freeze
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,8 +27,10 @@ class FernRegressor:
         softening: () grey levels; 0: no contrast normalisation.
         pairs: (T, K, F, 2) indices of appearance points.
         thresholds: (T, K, F).
-        leaves: (T, K, 2**F, D) numbers in the basis of the stage.
-        basis_mm: (T, D, Q, 3).
+        leaves: (T, K, 2**F, D) steps along the basis of the stage. Whole numbers of 8 bits keep
+            all leaves in the processor's nearest memory; later stages are trained on what the
+            rounded leaves of earlier ones do.
+        basis_mm: (T, D, Q, 3) mm per step.
         shapes_mm: (N, Q, 3) original shapes, each around its centroid.
         translations_mm: (m, 3).
         mean_mm: (Q, 3) mean shape, around its centroid.
@@ -51,7 +53,7 @@ class FernRegressor:
     softening: FloatArray
     pairs: I32
     thresholds: F32
-    leaves: F32
+    leaves: I8
     basis_mm: F32
     shapes_mm: FloatArray
     translations_mm: FloatArray
@@ -77,7 +79,7 @@ class FernRegressor:
             softening=(np.float64, ()),
             pairs=(np.int32, ("T", "K", "F", 2)),
             thresholds=(np.float32, ("T", "K", "F")),
-            leaves=(np.float32, ("T", "K", "B", "D")),
+            leaves=(np.int8, ("T", "K", "B", "D")),
             basis_mm=(np.float32, ("T", "D", "Q", 3)),
             shapes_mm=(np.float64, ("N", "Q", 3)),
             translations_mm=(np.float64, ("m", 3)),

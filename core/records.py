@@ -16,6 +16,7 @@ from core.errors import ArrayShapeError
 
 FloatArray = NDArray[np.float64]
 F32 = NDArray[np.float32]
+I8 = NDArray[np.int8]
 I32 = NDArray[np.int32]
 U8 = NDArray[np.uint8]
 BoolArray = NDArray[np.bool_]

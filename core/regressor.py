@@ -92,7 +92,8 @@ class Regression:
         self._chosen = np.zeros((n_runs, 2), np.int32)
         self._values = np.empty(n_runs)
         self._leaf = np.empty(lanes, np.int32)
-        self._moves = np.empty((lanes, regressor.basis_mm.shape[1]), np.float32)
+        self._taken = np.empty((lanes, regressor.basis_mm.shape[1]), np.int32)
+        self._columns = np.empty(self._taken.shape[::-1], np.float32)
         self._result = np.empty((n_points, 3))
         self._difference = np.empty(len(regressor.check_mean), np.float32)
         self._inside = np.empty(len(regressor.check_basis), np.float32)
@@ -165,11 +166,11 @@ class Regression:
         reader.place(self._rotation, self._center)
         for stage in self._stages:
             intensities = reader.read(gray, self._projection, stage.points, self._softening)
-            self._moves[:] = 0
+            self._taken[:] = 0
             add_ferns(
-                intensities, stage.pairs, stage.thresholds, stage.leaves, self._leaf, self._moves
+                intensities, stage.pairs, stage.thresholds, stage.leaves, self._leaf, self._taken
             )
-            add_basis(self._moves, stage.basis, reader.shapes)
+            add_basis(self._taken, stage.basis, self._columns, reader.shapes)
         use_median = self._settings.use_median
         spread = combine_runs(reader.shapes, n_runs, use_median, self._values, self._turned)
         np.matmul(self._turned, self._rotation, out=self._result)

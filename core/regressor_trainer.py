@@ -10,9 +10,10 @@ from core.appearance import AppearancePoints
 from core.appearance_check import CHECK_POINTS, AppearanceCheck, learn_check
 from core.head_size import size_gauge
 from core.kernels.appearance import sample_training
+from core.kernels.ferns import add_ferns
 from core.kernels.training import best_pairs, find_leaves, grow_leaves, inverse_deviations
 from core.point_drawing import PointSettings, draw_points, mean_shape
-from core.records import F32, I32, Progress
+from core.records import F32, I8, I32, Progress
 from core.regressor import FernRegressor
 from core.training_set import TrainingSet
 
@@ -47,8 +48,13 @@ class TrainSettings:
 #: The regressor of the paper, for comparison; its training set has no augmentation of its own.
 PAPER_SETTINGS = TrainSettings(
     n_stages=10,
+    n_ferns=300,
+    n_tests=5,
+    shrinkage=250.0,
     n_numbers=0,
-    points=PointSettings(n_points=400, barycentric=False, softening=0.0),
+    n_parts=1,
+    balance=0.0,
+    points=PointSettings(n_points=400, spread=0.2, reach=0.5, barycentric=False, softening=0.0),
 )
 
 
@@ -60,14 +66,14 @@ class Stage:
         points: Where it looks.
         pairs: (K, F, 2) indices of appearance points.
         thresholds: (K, F).
-        leaves: (K, 2**F, C) numbers in the basis.
-        basis: (C, Q, 3) mm.
+        leaves: (K, 2**F, C) steps along the basis.
+        basis: (C, Q, 3) mm per step.
     """
 
     points: AppearancePoints
     pairs: I32
     thresholds: F32
-    leaves: F32
+    leaves: I8
     basis: F32
 
 
@@ -159,8 +165,17 @@ def _train_stage(
         places = rng.random(settings.n_tests).astype(np.float32)
         find_leaves(columns, pairs[k], places, thresholds[k], leaf)
         grow_leaves(leaf, settings.shrinkage, residuals, counts, leaves[k])
-    made = np.einsum("sc,cqk->sqk", start - residuals, basis, optimize=True)
-    return Stage(points, pairs, thresholds, leaves, basis), made.astype(np.float32)
+    steps, basis = _quantise(leaves, basis)
+    made = np.zeros((len(residuals), basis.shape[0]), np.int32)
+    add_ferns(columns, pairs, thresholds, steps, leaf, made)
+    increments = np.einsum("sc,cqk->sqk", made.astype(np.float32), basis, optimize=True)
+    return Stage(points, pairs, thresholds, steps, basis), increments
+
+
+def _quantise(leaves: F32, basis: F32) -> tuple[I8, F32]:
+    """Return leaves (K, 2**F, C) in whole steps and the basis scaled to one step."""
+    step = np.maximum(np.abs(leaves).max(axis=(0, 1)), 1e-6) / 127
+    return np.rint(leaves / step).astype(np.int8), (basis * step[:, None, None]).astype(np.float32)
 
 
 class _PairSearch:

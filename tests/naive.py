@@ -47,7 +47,7 @@ def fern_sum(intensities, pairs, thresholds, leaves):
     outputs = [
         leaves[k, leaf_index(intensities, pairs[k], thresholds[k])] for k in range(len(pairs))
     ]
-    return np.sum(outputs, axis=0)
+    return np.sum(outputs, axis=0, dtype=float)
 
 
 def best_pair(intensities, target):

@@ -71,7 +71,7 @@ def sample_image(
         for r in range(positions.shape[2]):
             u = min(max(positions[p, 0, r], ZERO), last_x)
             v = min(max(positions[p, 1, r], ZERO), last_y)
-            x, y = int(u), int(v)
+            x, y = np.int32(u), np.int32(v)
             right, down = u - np.float32(x), v - np.float32(y)
             a, b = np.float32(image[y, x]), np.float32(image[y, x + 1])
             c, d = np.float32(image[y + 1, x]), np.float32(image[y + 1, x + 1])

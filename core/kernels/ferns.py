@@ -3,7 +3,7 @@
 import numba
 import numpy as np
 
-from core.records import F32, I32
+from core.records import F32, I8, I32
 
 
 @numba.njit(cache=True, nogil=True)
@@ -11,9 +11,9 @@ def add_ferns(
     intensities: F32,  # (P, L)
     pairs: I32,  # (K, F, 2)
     thresholds: F32,  # (K, F)
-    leaves: F32,  # (K, 2**F, C) numbers in the stage's basis
+    leaves: I8,  # (K, 2**F, C) steps along the stage's basis
     leaf: I32,  # (L,) scratch
-    out: F32,  # (L, C), added to
+    out: I32,  # (L, C), added to
 ) -> None:
     """Add the output of every fern of one stage to `out`."""
     n_runs = intensities.shape[1]
@@ -35,14 +35,20 @@ def add_ferns(
 
 @numba.njit(cache=True, nogil=True)
 def add_basis(
-    coefficients: F32,  # (L, C)
-    basis: F32,  # (C, Q, 3)
-    shapes: F32,  # (Q, 3, L), added to
+    steps: I32,  # (L, C) steps along the basis
+    basis: F32,  # (C, Q, 3) mm per step
+    columns: F32,  # (C, L) scratch
+    shapes: F32,  # (Q, 3, L) mm, added to
 ) -> None:
-    """Move every shape by its coefficients times the basis of the stage."""
+    """Move every shape by its steps along the basis of the stage."""
+    n_runs, n_numbers = steps.shape
+    for m in range(n_numbers):
+        for r in range(n_runs):
+            columns[m, r] = np.float32(steps[r, m])
     for q in range(shapes.shape[0]):
         for c in range(3):
-            for m in range(basis.shape[0]):
-                weight = basis[m, q, c]
-                for r in range(shapes.shape[2]):
-                    shapes[q, c, r] += coefficients[r, m] * weight
+            moved = shapes[q, c]
+            for m in range(n_numbers):
+                weight, column = basis[m, q, c], columns[m]
+                for r in range(n_runs):
+                    moved[r] += weight * column[r]

@@ -23,19 +23,20 @@ def center_shape(
             centred[q, c] = shape[q, c] - center[c]
 
 
-@numba.njit(cache=True, nogil=True)
+@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def squared_distances(
     centred: FloatArray,  # (Q, 3)
     shapes: FloatArray,  # (N, Q, 3)
     out: FloatArray,  # (N,) mm^2
 ) -> None:
     """Sum the squared distances of one shape to each of many, all centred."""
+    mine = centred.reshape(centred.size)
     for n in range(shapes.shape[0]):
+        other = shapes[n].reshape(mine.size)
         total = 0.0
-        for q in range(shapes.shape[1]):
-            for c in range(3):
-                difference = shapes[n, q, c] - centred[q, c]
-                total += difference * difference
+        for k in range(mine.size):
+            difference = other[k] - mine[k]
+            total += difference * difference
         out[n] = total
 
 
