@@ -6,7 +6,7 @@ import numpy as np
 
 from core.appearance import AppearanceReader
 from core.fern_regressor import FernRegressor
-from core.kernels.ferns import add_basis, add_ferns
+from core.kernels.ferns import add_ferns
 from core.kernels.starts import (
     align_rotation,
     center_shape,
@@ -51,7 +51,8 @@ class _Stage:
         self.pairs = regressor.pairs[stage]
         self.thresholds = regressor.thresholds[stage]
         self.leaves = regressor.leaves[stage]
-        self.basis = regressor.basis_mm[stage]
+        # (Q, 3, C), to be multiplied with the steps (C, R) of all runs.
+        self.basis = np.ascontiguousarray(np.moveaxis(regressor.basis_mm[stage], 0, 2))
 
 
 class Regression:
@@ -94,6 +95,7 @@ class Regression:
         self._leaf = np.empty(lanes, np.int32)
         self._taken = np.empty((lanes, regressor.basis_mm.shape[1]), np.int32)
         self._columns = np.empty(self._taken.shape[::-1], np.float32)
+        self._moved = np.empty((n_points, 3, lanes), np.float32)
         self._result = np.empty((n_points, 3))
         self._difference = np.empty(len(regressor.check_mean), np.float32)
         self._inside = np.empty(len(regressor.check_basis), np.float32)
@@ -170,7 +172,9 @@ class Regression:
             add_ferns(
                 intensities, stage.pairs, stage.thresholds, stage.leaves, self._leaf, self._taken
             )
-            add_basis(self._taken, stage.basis, self._columns, reader.shapes)
+            self._columns[:] = self._taken.T
+            np.matmul(stage.basis, self._columns, out=self._moved)
+            reader.shapes += self._moved
         use_median = self._settings.use_median
         spread = combine_runs(reader.shapes, n_runs, use_median, self._values, self._turned)
         np.matmul(self._turned, self._rotation, out=self._result)

@@ -31,24 +31,3 @@ def add_ferns(
             row = leaves[k, leaf[r]]
             for c in range(leaves.shape[2]):
                 out[r, c] += row[c]
-
-
-@numba.njit(cache=True, nogil=True)
-def add_basis(
-    steps: I32,  # (L, C) steps along the basis
-    basis: F32,  # (C, Q, 3) mm per step
-    columns: F32,  # (C, L) scratch
-    shapes: F32,  # (Q, 3, L) mm, added to
-) -> None:
-    """Move every shape by its steps along the basis of the stage."""
-    n_runs, n_numbers = steps.shape
-    for m in range(n_numbers):
-        for r in range(n_runs):
-            columns[m, r] = np.float32(steps[r, m])
-    for q in range(shapes.shape[0]):
-        for c in range(3):
-            moved = shapes[q, c]
-            for m in range(n_numbers):
-                weight, column = basis[m, q, c], columns[m]
-                for r in range(n_runs):
-                    moved[r] += weight * column[r]

@@ -12,7 +12,7 @@ from core.evaluation import frame_rmse_px
 from core.fern_regressor import FernRegressor
 from core.geometry import matrix_from_head_angles, register_rigid
 from core.head_size import size_gauge
-from core.kernels.ferns import add_basis, add_ferns
+from core.kernels.ferns import add_ferns
 from core.kernels.starts import align_rotation, choose_starts, combine_runs
 from core.regressor import Regression, RegressionSettings
 from tests import naive
@@ -91,15 +91,6 @@ def test_difference_equal_to_threshold_goes_to_the_upper_leaf():
     pairs, thresholds = np.array([[[0, 1]]], np.int32), np.array([[5]], np.float32)
     add_ferns(intensities, pairs, thresholds, leaves, np.empty(1, np.int32), out)
     assert out[0, 0] == 1
-
-
-def test_basis_moves_every_run_by_its_own_numbers(rng):
-    numbers = rng.integers(-500, 500, (4, 3)).astype(np.int32)
-    basis = rng.normal(size=(3, N_POINTS, 3)).astype(np.float32)
-    shapes = np.zeros((N_POINTS, 3, 4), np.float32)
-    add_basis(numbers, basis, np.empty((3, 4), np.float32), shapes)
-    plain = np.einsum("rm,mqc->qcr", numbers, basis)
-    assert np.allclose(shapes, plain, atol=1e-2)
 
 
 def test_rotation_agrees_with_registration_by_svd(rng):
