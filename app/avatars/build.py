@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.avatars.assembly import Assembly
+from app.avatars.bob import curtain
 from app.avatars.bust import fitted_bust, neck_uv
 from app.avatars.complexion import skin_texture
-from app.avatars.hair import CUTS, Scalp, combed, shell_mm, strands
+from app.avatars.hair import CUTS, Scalp, combed, hair_mm, strands
 from app.avatars.head import eye_radii_mm, lid_rows, lip_rows, surface
 from app.avatars.looks import Looks
 from app.avatars.small_textures import cloth_texture, eye_texture, lash_texture
@@ -18,7 +19,7 @@ from core.face_model import FaceModel, eye_centers_mm
 from core.records import F32, FloatArray
 
 #: Radius of the iris.
-IRIS_MM = 6.3
+IRIS_MM = 6.0
 #: Where the skull turns on the neck, for the mean head.
 PIVOT_MM = np.array([0.0, 62.0, 92.0])
 
@@ -100,18 +101,24 @@ def _add_mouth_and_lashes(
 def _add_hair(
     assembly: Assembly, head: Head, looks: Looks, scalp: Scalp, rng: np.random.Generator
 ) -> None:
-    """Add the shells of the hair; the brows' muscles move the scalp a little."""
-    cut = CUTS[looks.hair_style]
+    """Add the hair; the brows' muscles move the scalp a little."""
+    cut, material = CUTS[looks.hair_style], strands(looks, rng)
     deltas = np.stack([scalp.mix @ delta for delta in head.deltas_mm]).astype(np.float32)
     uv = combed(scalp.mix @ head.neutral_mm)[scalp.triangles] * [6.0, 2.0]
-    coverage = np.clip((scalp.above_mm + 1) / 9.0, 0, 1)
-    for share, sparse in cut.shells:
-        extra = np.zeros((len(scalp.above_mm), 4), np.float32)
-        extra[:, 1] = 0.55 + 0.45 * share
-        extra[:, 2] = coverage
-        first = assembly.add_vertices(shell_mm(scalp, head.neutral_mm, cut, share), extra, deltas)
-        material = strands(looks, sparse, rng)
-        assembly.add_surface(material, scalp.triangles + np.int32(first), uv.astype(np.float32))
+    coverage = np.clip((scalp.above_mm + 2) / 12.0, 0, 1)
+    points = hair_mm(scalp, head.neutral_mm, cut)
+    first = assembly.add_vertices(points, _hair_extra(coverage), deltas)
+    assembly.add_surface(material, scalp.triangles + np.int32(first), uv.astype(np.float32))
+    if cut.hangs:
+        points, triangles, corner_uv, coverage = curtain(points, head.neutral_mm)
+        first = assembly.add_vertices(points, _hair_extra(coverage))
+        assembly.add_surface(material, triangles + np.int32(first), corner_uv)
+
+
+def _hair_extra(coverage: FloatArray) -> F32:
+    """Return (n, 4) extra values of hair that moves with the head."""
+    zero, one = np.zeros_like(coverage), np.ones_like(coverage)
+    return np.stack([zero, one, coverage, zero], axis=1).astype(np.float32)
 
 
 def _extra(hold_and_openness: FloatArray) -> F32:

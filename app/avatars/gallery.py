@@ -15,13 +15,17 @@ from core.records import FloatArray, UserBlendshapes
 
 #: Looks of the built-in avatars, whose heads are in people.json.
 _LOOKS: dict[str, Looks] = {
-    "nora": LOOKS["porcelain"].changed(hair_style="short"),
+    "nora": LOOKS["porcelain"].changed(hair_style="bob"),
     "leo": LOOKS["light"].changed(beard=0.25, lashes=0.45, blush=0.35),
     "mei": LOOKS["light"].changed(
-        skin=(220, 176, 146), hair=(28, 23, 22), brows=(36, 28, 26), iris=(78, 52, 32)
+        skin=(220, 176, 146),
+        hair=(28, 23, 22),
+        brows=(36, 28, 26),
+        iris=(78, 52, 32),
+        hair_style="bob",
     ),
     "kofi": LOOKS["deep"].changed(hair_style="cropped", lashes=0.5, shirt=(120, 52, 46)),
-    "amara": LOOKS["brown"].changed(shirt=(168, 128, 60)),
+    "amara": LOOKS["brown"].changed(hair_style="bob", shirt=(168, 128, 60)),
     "viktor": LOOKS["light old"].changed(beard=0.35, lashes=0.4, shirt=(70, 74, 70)),
 }
 

@@ -1,4 +1,4 @@
-"""Short hair: shells over the scalp, opaque inside, ever fewer strands towards the outside."""
+"""Hair: a surface over the scalp, combed from the whorl, that frays at the hairline."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from scipy.sparse import coo_matrix, csr_matrix, vstack
 
 from app.avatars.hairline import above_hairline_mm
 from app.avatars.looks import Looks, rgb
-from app.render.scene import Material, Uniforms
+from app.render.scene import Material
 from core.face_model import FaceModel
 from core.kernels.morph import vertex_normals
 from core.records import F32, I32, U8, FloatArray
@@ -25,17 +25,18 @@ class Cut:
     Attributes:
         top_mm: Thickness on top.
         side_mm: Thickness at the sides and the back.
-        shells: (share of the thickness, share of strands left out) from inside out.
+        hangs: With hair down to the jaw.
     """
 
     top_mm: float
     side_mm: float
-    shells: tuple[tuple[float, float], ...]
+    hangs: bool = False
 
 
 CUTS: dict[str, Cut] = {
-    "short": Cut(19.0, 8.0, ((0.78, 0.0), (1.0, 0.5))),
-    "cropped": Cut(6.0, 4.0, ((0.6, 0.0), (1.0, 0.5))),
+    "short": Cut(19.0, 8.0),
+    "cropped": Cut(6.0, 4.0),
+    "bob": Cut(15.0, 11.0, hangs=True),
 }
 
 
@@ -127,23 +128,23 @@ def combed(scalp_mm: FloatArray) -> FloatArray:
     return np.stack([(turn + wander) / np.pi, along / np.pi], axis=1)
 
 
-def shell_mm(scalp: Scalp, head_mm: FloatArray, cut: Cut, share: float) -> FloatArray:
-    """Return the points (S, 3) of one shell over a head (V, 3)."""
+def hair_mm(scalp: Scalp, head_mm: FloatArray, cut: Cut) -> FloatArray:
+    """Return the points (S, 3) of the hair's surface over a head (V, 3)."""
     points = np.ascontiguousarray(scalp.mix @ head_mm, np.float32)
     normals: F32 = np.empty_like(points)
     vertex_normals(points, scalp.triangles, normals)
     thickness = thickness_mm(points.astype(float), scalp.above_mm, cut)
     across, along = combed(points.astype(float)).T
     locks = np.sin(across * 58 + 3 * np.sin(along * 9)) + 0.7 * np.sin(across * 97 + along * 14)
-    lift = thickness * (share + 0.075 * locks * share)
+    lift = thickness * (1 + 0.075 * locks)
     out = points + lift[:, None] * normals
     # Combed: the ends of the hair lie lower and further out than their roots.
     out[:, 1] += 0.10 * lift * np.clip(along * 3 - 0.8, 0, 1)
     return np.asarray(out, float)
 
 
-def strands(looks: Looks, sparse: float, rng: np.random.Generator) -> Material:
-    """Return hair running along v; a share `sparse` of the strands is left out."""
+def strands(looks: Looks, rng: np.random.Generator) -> Material:
+    """Return hair running along v; the surface frays into strands where coverage falls."""
     shape = (256, 1024)
     fine = rng.normal(size=(1, shape[1])).repeat(shape[0], axis=0)
     locks = cv2.resize(rng.normal(size=(1, 96)), (shape[1], 1), interpolation=cv2.INTER_CUBIC)
@@ -151,9 +152,7 @@ def strands(looks: Looks, sparse: float, rng: np.random.Generator) -> Material:
     field = cv2.GaussianBlur(fine + 1.1 * locks + 0.9 * drift, (0, 0), 0.9)
     field = (field - field.mean()) / field.std()
     color = rgb(*looks.hair) * (0.98 + 0.17 * field[..., None])
-    threshold = np.quantile(field, sparse) if sparse else -9.0
-    coverage = np.clip(0.5 + 0.8 * (field - threshold), 0, 1)
+    coverage = 0.74 + 0.26 * np.tanh(field)
     picture = np.concatenate([color, 255 * coverage[..., None]], axis=2)
     texture: U8 = np.clip(picture, 0, 255).astype(np.uint8)
-    values: Uniforms = {"cutoff": 0.42, "shine": 0.55}
-    return Material("hair", texture, values, two_sided=True, repeated=True)
+    return Material("hair", texture, two_sided=True, repeated=True)

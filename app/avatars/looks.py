@@ -26,7 +26,7 @@ class Looks:
         lashes: Strength of the lashes and of their dark line.
         iris: Main colour of the iris.
         hair: Colour of the hair.
-        hair_style: "short", "cropped" or "bald".
+        hair_style: "short", "cropped", "bob" or "bald".
         shirt: Colour of the shirt.
     """
 

@@ -61,14 +61,15 @@ def _iris(reach: F32, turn: F32, color: F32, rng: np.random.Generator) -> F32:
         phase, twist = rng.uniform(0, 6.28), rng.normal(0, 1.2)
         fibres += share * np.cos(waves * turn + phase + twist * reach * 2)
     patches = sum(np.cos(k * turn + rng.uniform(0, 6.28)) for k in (2, 3, 5)) / 3
-    bright = 1.15 + 0.32 * fibres + 0.12 * patches
-    collar = np.exp(-(((reach - 0.47 - 0.02 * fibres) / 0.12) ** 2))[..., None]
-    warm = rgb(0.30, 0.17, 0.06) * 0.8 + color * 0.5
-    out = color * bright[..., None] * (1 - 0.55 * collar) + warm * 0.55 * collar
-    rim = np.clip((reach - 0.78) / 0.22, 0, 1)[..., None]
-    out = out * (1 - 0.78 * rim)
-    pupil = np.clip((0.375 - reach) / 0.035 + 0.5, 0, 1)[..., None]
-    return np.asarray(np.clip(out, 0, 1) * (1 - pupil) + 0.004 * pupil, np.float32)
+    # Fibres fade towards the rim; crypts between them are dark.
+    bright = 0.86 + 0.34 * fibres * (1.1 - 0.6 * reach) + 0.10 * patches
+    collar = np.exp(-(((reach - 0.47 - 0.03 * fibres) / 0.11) ** 2))[..., None]
+    warm = rgb(0.24, 0.14, 0.05) + color * 0.55
+    out = color * bright[..., None] * (1 - 0.6 * collar) + warm * 0.6 * collar
+    rim = np.clip((reach - 0.74) / 0.26, 0, 1)[..., None]
+    out = out * (1 - 0.88 * rim**1.5)
+    pupil = np.clip((0.36 - reach) / 0.035 + 0.5, 0, 1)[..., None]
+    return np.asarray(np.clip(out, 0, 1) * (1 - pupil) + 0.003 * pupil, np.float32)
 
 
 def lash_texture(coverage: U8, strength: float) -> U8:

@@ -12,9 +12,9 @@ from core.geometry import matrix_from_quaternion
 from core.records import Camera, FloatArray
 
 #: Distance of the portrait's camera and the height of what it sees at the head.
-_DISTANCE_MM, _SEEN_MM = 1050.0, 400.0
+_DISTANCE_MM, _SEEN_MM = 1000.0, 350.0
 #: The picture's middle lies this far below the eyes.
-_MIDDLE_MM = 26.0
+_MIDDLE_MM = 22.0
 #: Share of the head's own movement that a portrait shows, and how far it lets it go.
 _MOVES, _FURTHEST_MM = 0.35, 45.0
 

@@ -20,7 +20,7 @@ _WIDE = [EXPRESSION_NAMES.index("eyeWide" + side) for side in ("Right", "Left")]
 #: Lid closing per rad of looking down and widening per rad of looking up.
 LID_FOLLOWS_DOWN, LID_FOLLOWS_UP = 0.75, 0.5
 #: Lips this far apart let all light into the mouth.
-FULLY_OPEN_MM = 22.0
+FULLY_OPEN_MM = 14.0
 
 
 def lids_following(expression: FloatArray, gaze_rad: FloatArray) -> FloatArray:
@@ -109,7 +109,7 @@ class Puppet:
     def _light_in_mouth(self) -> float:
         upper, lower = self._vertices[self._avatar.lip_rows]
         share = float(np.clip((lower[1] - upper[1]) / FULLY_OPEN_MM, 0, 1))
-        return 0.35 + 0.65 * share
+        return 0.5 + 0.5 * share
 
     def _eye_item(
         self, eye: int, gaze_rad: FloatArray, head_to_camera: FloatArray, body: FloatArray

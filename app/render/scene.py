@@ -70,7 +70,7 @@ DEFAULTS: dict[str, Uniforms] = {
         "roughness2": 0.02,
         "bounce": np.array([0.3, 0.1, 0.1]),
         "whorl": np.zeros(3),
-        "gloss": 1.6,
+        "gloss": 0.9,
         "lit": 1.0,
     },
 }
