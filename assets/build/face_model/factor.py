@@ -13,7 +13,7 @@ import numpy as np
 from assets.build.face_model.head import Head
 from core.arkit import EXPRESSION_NAMES
 
-N_IDENTITY, N_DELTA_SYMMETRIC, N_DELTA_ANTISYMMETRIC = 72, 96, 84
+N_IDENTITY, N_DELTA_SYMMETRIC, N_DELTA_ANTISYMMETRIC = 64, 84, 72
 #: Pull of the regression of displacements on identity weights towards none.
 RIDGE = 2.0
 

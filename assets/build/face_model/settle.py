@@ -11,7 +11,7 @@ from assets.build.face_model.seam import Seam
 
 #: The source's lids hang a little low.
 REST = LidMove(upper=-0.12, lower=0.05)
-LIP_OVERLAP_MM = 0.6
+LIP_OVERLAP_MM = 0.85
 #: Distance of lids from the ball: their inner edge, on average and at least, and their skin.
 EDGE_MM, EDGE_LEAST_MM, SKIN_LEAST_MM = 1.0, 0.35, 1.0
 #: The source's balls are this much too large for lids that close along straight paths.
