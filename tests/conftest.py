@@ -14,6 +14,19 @@ import pytest
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 
+#: Tests of kernels that are quick enough to run again in plain Python, see `nojit`.
+PLAIN_PYTHON_MODULES = {
+    "test_animation_prior", "test_box_least_squares", "test_gaze", "test_pose_filter",
+    "test_tracker", "test_training_set",
+}  # fmt: skip
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the tests that run a second time without numba's compiler."""
+    for item in items:
+        if item.path.stem in PLAIN_PYTHON_MODULES:
+            item.add_marker(pytest.mark.nojit)
+
 
 @pytest.fixture
 def rng() -> np.random.Generator:
