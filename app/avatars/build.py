@@ -110,12 +110,12 @@ def _add_hair(
     first = assembly.add_vertices(points, _hair_extra(coverage), deltas)
     assembly.add_surface(material, scalp.triangles + np.int32(first), uv.astype(np.float32))
     if cut.hangs:
-        points, triangles, corner_uv, coverage = curtain(points, head.neutral_mm)
-        first = assembly.add_vertices(points, _hair_extra(coverage))
+        hanging, triangles, corner_uv, ends = curtain(points, head.neutral_mm)
+        first = assembly.add_vertices(hanging, _hair_extra(ends))
         assembly.add_surface(material, triangles + np.int32(first), corner_uv)
 
 
-def _hair_extra(coverage: FloatArray) -> F32:
+def _hair_extra(coverage: FloatArray | F32) -> F32:
     """Return (n, 4) extra values of hair that moves with the head."""
     zero, one = np.zeros_like(coverage), np.ones_like(coverage)
     return np.stack([zero, one, coverage, zero], axis=1).astype(np.float32)
