@@ -63,6 +63,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # The reader of our output has gone, as `head` does; nobody is left to be told.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        sys.stderr.write(f"facepuppet: {where}{error.strerror or error}\n")
+        return BAD_INPUT
 
 
 def missing_library(error: ImportError) -> str | None:

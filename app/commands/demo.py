@@ -14,6 +14,7 @@ import numpy as np
 
 from app.commands.progress import TerminalProgress, duration
 from app.commands.track import seen_by, track
+from app.errors import OutputError
 from app.models import Models, live_tracker, load_models
 from app.painting import OWN, AvatarPainter, make_avatar
 from app.performer.opening import (
@@ -29,7 +30,7 @@ from app.recording.outputs import Outputs
 from app.recording.sink import PartialFile
 from app.recording.track_file import TrackFile
 from app.recording.video import SideBySideVideo
-from app.setup_steps import from_folder, keep, make_profile
+from app.setup_steps import from_folder, keep, listed, make_profile
 from core.evaluation import Truth, against_truth
 from core.generations import check_target
 from core.plain_json import json_text
@@ -39,6 +40,10 @@ DESCRIPTION = (
     "Let the virtual performer follow the 60 prompts, make a profile, track a take, and report "
     "the errors against the truth."
 )
+#: What the demo writes into its folder.
+PICTURES, PROFILE, REPORT = "setup", "profile", "report.json"
+FRAMES, TRACK, VIDEO = "frames.png", "take.npz", "take.mp4"
+OURS = {PICTURES, PROFILE, REPORT, FRAMES, TRACK, VIDEO}
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,11 +54,13 @@ class DemoOptions:
         out: Folder for pictures, profile, video and report.
         scenario: Person, take, light and camera.
         seed: Of the training.
+        frames: Track so many frames of the take only.
     """
 
     out: Path = Path("demo")
     scenario: Scenario = field(default_factory=Scenario)
     seed: int = 1
+    frames: int | None = None
 
 
 def add_parser(commands: Any) -> None:
@@ -65,6 +72,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("--light", choices=LIGHT_NAMES, default=LIGHT_NAMES[0])
     parser.add_argument("--focal", type=float, default=620.0, metavar="PX", help="of the webcam")
     parser.add_argument("--seed", type=int, default=1, help="of all random choices")
+    parser.add_argument("--frames", type=int, metavar="N", help="track N frames only")
     parser.add_argument("--json", action="store_true", help="print the whole report as JSON")
     parser.set_defaults(run=run)
 
@@ -72,13 +80,13 @@ def add_parser(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Play the demo; return the exit code."""
     scenario = Scenario(args.take, args.person, args.light, args.focal, seed=args.seed)
-    return play(DemoOptions(args.out, scenario, args.seed), args.json)
+    return play(DemoOptions(args.out, scenario, args.seed, args.frames), args.json)
 
 
 def play(options: DemoOptions, as_json: bool = False) -> int:
     """Film, set up, track, compare; write everything to the folder and print the figures."""
     started_s = time.monotonic()
-    check_target(options.out / "profile")
+    check_folder(options.out)
     progress, models = TerminalProgress(sys.stderr), load_models()
     truths = film_setup(options)
     profile = set_up(options, models, progress)
@@ -91,7 +99,7 @@ def play(options: DemoOptions, as_json: bool = False) -> int:
         "focal_error_percent": 100 * (profile.camera.focal_px / focal_px - 1),
         "seconds": time.monotonic() - started_s,
     }
-    part = PartialFile(options.out / "report.json")
+    part = PartialFile(options.out / REPORT)
     part.path.write_text(json_text(report), encoding="utf-8")
     part.finish()
     sys.stdout.write((json_text(report) if as_json else report_text(report)) + "\n")
@@ -99,10 +107,24 @@ def play(options: DemoOptions, as_json: bool = False) -> int:
     return 0
 
 
+def check_folder(out: Path) -> None:
+    """Check that the folder is new, or of an earlier demo.
+
+    Raises:
+        OutputError: It holds something else.
+        ProfileUnwritableError: It cannot be written.
+    """
+    others = [path.name for path in out.iterdir() if path.name not in OURS] if out.is_dir() else []
+    if others:
+        found = f"the folder holds other files ({listed(sorted(others))})"
+        raise OutputError(out, found)
+    check_target(out / PROFILE)
+
+
 def film_setup(options: DemoOptions) -> dict[str, Truth]:
     """Write the 60 setup pictures; return what is really there by name of the shot."""
     sys.stderr.write("Filming the performer in the 60 setup poses\n")
-    folder = options.out / "setup"
+    folder = options.out / PICTURES
     folder.mkdir(parents=True, exist_ok=True)
     truths = {}
     for name, frame, truth in setup_pictures(options.scenario):
@@ -115,12 +137,12 @@ def film_setup(options: DemoOptions) -> dict[str, Truth]:
 def set_up(options: DemoOptions, models: Models, progress: TerminalProgress) -> Profile:
     """Make and keep the profile from the pictures, as `facepuppet setup` does."""
     started_s = time.monotonic()
-    pictures = progress.follow(from_folder(options.out / "setup", models.aligner))
+    pictures = progress.follow(from_folder(options.out / PICTURES, models.aligner))
     rng = np.random.default_rng(options.seed)
     steps = make_profile(models.face_model, pictures, None, rng)
     profile, images = progress.follow(steps)
     seconds = time.monotonic() - started_s
-    return keep(options.out / "profile", profile, images, source="setup", seconds=seconds)
+    return keep(options.out / PROFILE, profile, images, source="setup", seconds=seconds)
 
 
 def perform(
@@ -136,14 +158,13 @@ def perform(
         avatar = make_avatar(OWN, models.face_model, profile.user)
         painter = AvatarPainter(avatar, seen_by(profile.camera, source.size_px))
         opened.callback(painter.release)
-        highlights = Highlights(
-            options.out / "frames.png", source.size_px, painter.paint, source.n_frames
-        )
+        expected = min(options.frames or source.n_frames, source.n_frames)
+        highlights = Highlights(options.out / FRAMES, source.size_px, painter.paint, expected)
         outputs.add(highlights)
-        outputs.add(TrackFile(options.out / "take.npz", lambda: tracker.camera))
-        video = options.out / "take.mp4"
+        outputs.add(TrackFile(options.out / TRACK, lambda: tracker.camera))
+        video = options.out / VIDEO
         outputs.add(SideBySideVideo(video, source.fps, source.size_px, painter.paint))
-        summary = progress.follow(track(source, tracker, outputs))
+        summary = progress.follow(track(source, tracker, outputs, options.frames))
         truths = [source.truth(n) for n in range(summary.frames)]
         errors = against_truth(highlights.states, truths, source.camera)
     return {"take": scenario.take, "step_ms": summary.step_ms, **errors}
