@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from app.resources import asset
+from core.aligner_bias import load_aligner_bias
 from core.alignment import FaceAligner
 from core.animation_prior import AnimationPrior, load_animation_prior
 from core.face_model import FaceModel, load_face_model
@@ -25,11 +26,17 @@ class Models:
     prior: AnimationPrior
 
 
+def load_aligner() -> FaceAligner:
+    """Return the generic aligner, its mean error taken off."""
+    folder = asset("aligner")
+    return FaceAligner(folder, load_aligner_bias(folder / "bias.npz"))
+
+
 def load_models() -> Models:
     """Return the shipped models."""
     return Models(
         load_face_model(asset("face_model.npz")),
-        FaceAligner(asset("aligner")),
+        load_aligner(),
         load_animation_prior(asset("animation_prior.npz")),
     )
 

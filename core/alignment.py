@@ -10,6 +10,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from core.aligner_bias import AlignerBias
 from core.arkit import ARKIT_NAMES
 from core.face_regions import (
     DETECTOR_SIZE_PX,
@@ -22,7 +23,7 @@ from core.face_regions import (
 )
 from core.landmark_confidence import confidences, inside, visibility
 from core.landmarks import MESH478, N_INTERNAL, N_LANDMARKS, PUPILS478
-from core.mean_face import N_SURFACE, head_rotation, load_mean_face
+from core.mean_face import N_SURFACE, head_pose, load_mean_face
 from core.outline import outline, outline_lines
 from core.records import F32, U8, FloatArray, Landmarks2D, freeze
 
@@ -62,6 +63,7 @@ class Alignment:
         rotation: (3, 3) model to camera under weak perspective; large turns come out too small.
         presence: How sure the network is that this is a face, in [0, 1].
         region: What it looked at.
+        px_per_mm: Scale of a mean face in the picture.
     """
 
     landmarks: Landmarks2D
@@ -70,6 +72,7 @@ class Alignment:
     rotation: FloatArray
     presence: float
     region: Region
+    px_per_mm: float = 1.0
 
     def __post_init__(self) -> None:
         freeze(
@@ -83,12 +86,14 @@ class Alignment:
 class FaceAligner:
     """Holds the networks, which are costly to load. One thread at a time may use it."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, bias: AlignerBias | None = None) -> None:
         """Load the networks.
 
         Args:
             folder: Where assets/build/aligner.py put them.
+            bias: Taken off the landmarks; None leaves them as the network gives them.
         """
+        self._bias = bias
         self._detector = cv2.dnn.readNetFromTFLite(str(folder / "face_detector.tflite"))
         self._mesh = cv2.dnn.readNetFromTFLite(str(folder / "face_landmarks_detector.tflite"))
         self._weights = cv2.dnn.readNetFromTFLite(str(folder / "face_blendshapes.tflite"))
@@ -176,16 +181,19 @@ class FaceAligner:
         to_picture = region.to_picture(LANDMARK_SIZE_PX)
         mesh = points[:, :2] @ to_picture[:, :2].T + to_picture[:, 2]
         depth = points[:, 2].astype(np.float64) * region.size_px / LANDMARK_SIZE_PX
-        rotation = head_rotation(self._mean, mesh, depth)
+        scale, rotation = head_pose(self._mean, mesh, depth)
         edge = outline(self._lines, mesh, rotation)
-        points_px = np.concatenate([mesh[MESH478[:N_INTERNAL]], edge, mesh[PUPILS478]])
+        internal = mesh[MESH478[:N_INTERNAL]]
+        if self._bias is not None:
+            internal = internal - self._bias.error_px(rotation, scale)
+        points_px = np.concatenate([internal, edge, mesh[PUPILS478]])
         confidence = confidences(self._visibility, mesh, depth, rotation)
         confidence = confidence * inside(points_px, size_px)
         n = N_LANDMARKS
         landmarks = Landmarks2D(
             points_px[:n], np.zeros(n, bool), confidence[:n], points_px[n:], confidence[n:]
         )
-        return Alignment(landmarks, mesh, depth, rotation, presence, region)
+        return Alignment(landmarks, mesh, depth, rotation, presence, region, scale)
 
 
 def _region(mesh_px: FloatArray) -> Region:

@@ -13,7 +13,8 @@ def user_blendshapes(model: FaceModel, fit: ModelFit) -> UserBlendshapes:
     """Return the face of the fitted person.
 
     The paper stops at the identity weights. We add what the landmarks of all pictures say
-    beyond them, as a smooth displacement of the neutral face.
+    beyond them: as a smooth displacement of the neutral face, and what is left of it as places
+    of the landmarks beside their vertices.
 
     Args:
         model: The bilinear face model.
@@ -21,7 +22,8 @@ def user_blendshapes(model: FaceModel, fit: ModelFit) -> UserBlendshapes:
     """
     neutral = neutral_mm(model, fit.identity)
     smooth = spread_offsets(neutral, model.landmark_vertices, fit.offsets_mm)
-    return UserBlendshapes(fit.identity, neutral + smooth, deltas_mm(model, fit.identity))
+    left = fit.offsets_mm - smooth[model.landmark_vertices]
+    return UserBlendshapes(fit.identity, neutral + smooth, deltas_mm(model, fit.identity), left)
 
 
 def spread_offsets(

@@ -6,7 +6,7 @@ import numpy as np
 
 from core.face_model import FaceModel, subset
 from core.landmarks import N_INTERNAL
-from core.records import F32, I32, FloatArray
+from core.records import I32, FloatArray, UserBlendshapes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,9 +106,9 @@ def fit_vertices(model: FaceModel) -> tuple[I32, I32, I32]:
     return vertices, strips, replacements.astype(np.int32)
 
 
-def face_at(model: FaceModel, neutral_mm: FloatArray, deltas_mm: F32) -> Face:
-    """Return the face of a user's blendshapes (V, 3) and (B, V, 3) at the points of a fit."""
+def face_at(model: FaceModel, user: UserBlendshapes) -> Face:
+    """Return the face of a user's blendshapes at the points of a fit."""
     vertices, strips, replacements = fit_vertices(model)
-    return Face(
-        neutral_mm[vertices], deltas_mm[:, vertices].astype(np.float64), strips, replacements
-    )
+    neutral = user.neutral_mm[vertices]
+    neutral[:N_INTERNAL] += user.landmark_offsets_mm
+    return Face(neutral, user.deltas_mm[:, vertices].astype(np.float64), strips, replacements)

@@ -37,7 +37,7 @@ def guess_landmarks(
     """
     rotation, translation = expected_pose(shot, fitted, fit)
     state = State(rotation[None], translation[None], shot.standard[None])
-    face = face_at(model, user.neutral_mm, user.deltas_mm)
+    face = face_at(model, user)
     points = project(camera, picked(face, state, choose_picks(face, state)))[0]
     pupils = eye_centers_mm(model, user.neutral_mm) - np.array([0.0, 0.0, model.eyeball_radius_mm])
     pupils_px = project(camera, pupils @ rotation.T + translation)

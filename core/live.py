@@ -238,8 +238,10 @@ def tracker_model(model: FaceModel, user: UserBlendshapes) -> TrackerModel:
     """Return the user's face restricted to the points of the shape."""
     vertices = shape_vertices(model)
     radius = float(model.eyeball_radius_mm)
+    neutral = user.neutral_mm[vertices]
+    neutral[:N_INTERNAL] += user.landmark_offsets_mm
     return TrackerModel(
-        user.neutral_mm[vertices],
+        neutral,
         user.deltas_mm[:, vertices].astype(np.float64),
         eye_centers_mm(model, user.neutral_mm),
         np.array([radius, radius]),

@@ -51,8 +51,16 @@ def head_rotation(mean: MeanFace, mesh_px: FloatArray, depth_px: FloatArray) -> 
         mesh_px: (478, 2).
         depth_px: (478,) growing away from the camera.
     """
+    return head_pose(mean, mesh_px, depth_px)[1]
+
+
+def head_pose(
+    mean: MeanFace, mesh_px: FloatArray, depth_px: FloatArray
+) -> tuple[float, FloatArray]:
+    """Return the scale in px/mm of the mean face and its rotation; see `head_rotation`."""
     points = np.column_stack([mesh_px, depth_px])[mean.pose_points]
-    return procrustes(mean.vertices_mm[mean.pose_points], points)[1]
+    scale, rotation, _ = procrustes(mean.vertices_mm[mean.pose_points], points)
+    return scale, rotation
 
 
 def smooth_normals(mean: MeanFace) -> FloatArray:

@@ -187,11 +187,13 @@ class UserBlendshapes:
         identity: (I,) identity weights that they were made from.
         neutral_mm: (V, 3).
         deltas_mm: (B, V, 3) difference of each full expression from the neutral face.
+        landmark_offsets_mm: (60, 3) the user's internal landmarks from their vertices.
     """
 
     identity: FloatArray
     neutral_mm: FloatArray
     deltas_mm: F32
+    landmark_offsets_mm: FloatArray = field(default_factory=lambda: np.zeros((60, 3)))
 
     def __post_init__(self) -> None:
         freeze(
@@ -199,6 +201,7 @@ class UserBlendshapes:
             identity=(np.float64, ("I",)),
             neutral_mm=(np.float64, ("V", 3)),
             deltas_mm=(np.float32, ("B", "V", 3)),
+            landmark_offsets_mm=(np.float64, (60, 3)),
         )
 
 

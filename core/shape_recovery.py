@@ -73,7 +73,7 @@ def recover_shapes(  # noqa: PLR0913
     """
     check_landmarks(landmarks)
     standard = np.where(np.isnan(standard), standard_from_fit(fit), standard)
-    face = face_at(model, user.neutral_mm, user.deltas_mm)
+    face = face_at(model, user)
     rotations = matrix_from_quaternion(fit.rotations_wxyz)
     state = State(rotations, fit.translations_mm, fit.expressions)
     problem = _problem(camera, state, landmarks, standard, settings.fit)
@@ -104,7 +104,7 @@ def recover_one(
         FewLandmarksError: Too few landmarks are trusted.
     """
     check_landmarks([landmarks])
-    face = face_at(model, user.neutral_mm, user.deltas_mm)
+    face = face_at(model, user)
     unknown = np.full((1, len(user.deltas_mm)), np.nan)
     state = start_state(camera, face.neutral_mm, [landmarks], unknown.shape[1])
     problem = _problem(camera, state, [landmarks], unknown, settings.fit)
