@@ -9,7 +9,8 @@ from app.avatars.bob import curtain
 from app.avatars.bust import fitted_bust, neck_uv
 from app.avatars.complexion import skin_texture
 from app.avatars.hair import CUTS, Scalp, combed, hair_mm, strands
-from app.avatars.head import eye_radii_mm, lid_rows, lip_rows, surface
+from app.avatars.hairline import above_hairline_mm
+from app.avatars.head import Surface, eye_radii_mm, lid_rows, lip_rows, surface
 from app.avatars.looks import Looks
 from app.avatars.small_textures import cloth_texture, eye_texture, lash_texture
 from app.avatars.wardrobe import Wardrobe
@@ -20,6 +21,8 @@ from core.records import F32, FloatArray
 
 #: Radius of the iris.
 IRIS_MM = 6.0
+#: Skin so far above the hairline is covered.
+_COVERED_MM = 24.0
 #: Where the skull turns on the neck, for the mean head.
 PIVOT_MM = np.array([0.0, 62.0, 92.0])
 
@@ -64,6 +67,10 @@ def _add_skin(assembly: Assembly, head: Head, looks: Looks, wardrobe: Wardrobe) 
     first = assembly.add_vertices(neck_mm[ring:], _extra(neck_extra[ring:]))
     rows = np.concatenate([bust.ring, first + np.arange(len(neck_mm) - ring)]).astype(np.int32)
     skin = surface(head.model, "skin", "mouth")
+    if looks.hair_style in CUTS:
+        # What lies deep under hair is never seen.
+        seen = above_hairline_mm(head.model.mean_mm)[skin.triangles].min(axis=1) < _COVERED_MM
+        skin = Surface(skin.triangles[seen], skin.uv[seen])
     material = Material("skin", skin_texture(wardrobe.skin_maps, looks))
     assembly.add_surface(
         material,
