@@ -5,15 +5,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.appearance import AppearancePoints
-from core.kernels.appearance import sample_training
 from core.point_drawing import PointSettings, draw_points
 from core.records import F32, FloatArray, freeze
+from core.sampling import sample, uncovered, undisturbed
 from core.training_set import TrainingSet
 
 #: Raw grey levels would call every change of the light a failure.
 CHECK_POINTS = PointSettings(n_points=256, spread=0.12, softening=6.0)
-N_COMPONENTS = 16
+N_COMPONENTS = 24
+N_SAMPLES = 1500
 N_FOLDS = 6
+#: The 99 % level on another take, in parts of that on held-out pictures of the setup itself: the
+#: face does things that it did not do then. Measured on the real clips.
+OTHER_TAKE = 1.4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,8 +45,8 @@ def learn_check(
 ) -> AppearanceCheck:
     """Learn what the training pictures look like at their true shapes.
 
-    The level comes from pictures that the model was not learned from: each sixth in turn is
-    held out.
+    The model is learned from disturbed samples, so that another lamp is no failure. The level
+    comes from pictures that the model was not learned from: each sixth in turn is held out.
 
     Args:
         training_set: Pictures and shapes.
@@ -50,43 +54,19 @@ def learn_check(
         rng: Source of the points.
     """
     points = draw_points(shape_mm, training_set.triangles, rng, CHECK_POINTS)
-    appearances = true_appearances(training_set, points)
-    held_out = np.arange(len(appearances)) % N_FOLDS
-    distances = np.zeros(len(appearances))
-    for fold in range(N_FOLDS):
-        away = held_out == fold
-        if away.any() and not away.all():
-            mean, basis = _linear_model(appearances[~away])
-            distances[away] = residuals(appearances[away], mean, basis)
+    plain, lit = undisturbed(training_set), uncovered(training_set, N_SAMPLES)
+    softening = CHECK_POINTS.softening
+    appearances = np.concatenate([sample(s, s.truth_mm, points, softening) for s in (plain, lit)])
+    fold = np.concatenate([plain.image, lit.image]) % N_FOLDS
+    tested = np.arange(len(appearances)) < len(plain.image)
+    distances = np.zeros(len(plain.image))
+    for k in range(N_FOLDS):
+        if np.any(fold == k) and np.any(fold != k):
+            mean, basis = _linear_model(appearances[fold != k])
+            away = (fold == k) & tested
+            distances[away[tested]] = residuals(appearances[away], mean, basis)
     mean, basis = _linear_model(appearances)
-    return AppearanceCheck(points, mean, basis, _level(distances))
-
-
-def true_appearances(training_set: TrainingSet, points: AppearancePoints) -> F32:
-    """Return the undisturbed appearance (N, P) of every picture at its own shape."""
-    camera, augmentation = training_set.camera, training_set.augmentation
-    n_images = len(training_set.images)
-    out = np.empty((n_images, len(points.corners)), np.float32)
-    sample_training(
-        training_set.images,
-        np.arange(n_images, dtype=np.int32),
-        np.zeros((n_images, 3), np.float32),
-        training_set.shapes_mm.astype(np.float32),
-        points.corners,
-        points.weights,
-        points.offsets,
-        points.members,
-        points.cell,
-        CHECK_POINTS.softening,
-        np.array([camera.focal_px, *camera.center_px], np.float32),
-        augmentation.normals,
-        augmentation.faces,
-        np.empty((0, 4), np.float32),
-        augmentation.lamp,
-        augmentation.occluder,
-        out,
-    )
-    return out
+    return AppearanceCheck(points, mean, basis, OTHER_TAKE * _level(distances))
 
 
 def residuals(appearances: F32, mean: F32, basis: F32) -> FloatArray:
@@ -99,7 +79,7 @@ def residuals(appearances: F32, mean: F32, basis: F32) -> FloatArray:
 
 def _linear_model(appearances: F32) -> tuple[F32, F32]:
     mean = appearances.mean(axis=0)
-    n_components = min(N_COMPONENTS, max((len(appearances) - 1) // 2, 0))
+    n_components = min(N_COMPONENTS, (len(appearances) - 1) // 2)
     basis = np.linalg.svd(appearances - mean, full_matrices=False)[2][:n_components]
     return mean.astype(np.float32), basis.astype(np.float32)
 

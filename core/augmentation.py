@@ -29,7 +29,7 @@ class AugmentationSettings:
 
     exposure: float = 1.0
     lamp_share: float = 0.5
-    occluded_share: float = 0.3
+    occluded_share: float = 0.4
 
 
 @dataclass(frozen=True, slots=True, eq=False)

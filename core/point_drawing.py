@@ -30,8 +30,8 @@ class PointSettings:
     spread: float = 0.4
     reach: float = 0.5
     barycentric: bool = True
-    n_cells: int = 32
-    cell_size: int = 32
+    n_cells: int = 40
+    cell_size: int = 40
     softening: float = 6.0
 
 

@@ -9,12 +9,12 @@ import numpy as np
 from core.appearance import AppearancePoints
 from core.appearance_check import CHECK_POINTS, AppearanceCheck, learn_check
 from core.head_size import size_gauge
-from core.kernels.appearance import sample_training
 from core.kernels.ferns import add_ferns
 from core.kernels.training import best_pairs, find_leaves, grow_leaves, inverse_deviations
 from core.point_drawing import PointSettings, draw_points, mean_shape
 from core.records import F32, I8, I32, Progress
 from core.regressor import FernRegressor
+from core.sampling import sample
 from core.training_set import TrainingSet
 
 
@@ -107,35 +107,6 @@ def train(
         yield Progress(done + 1, settings.n_stages, "training", {"left_mm": float(left)})
     check = learn_check(training_set, shape, rng)
     return _assemble(training_set, stages, check, settings.points.softening)
-
-
-def sample(
-    training_set: TrainingSet, shapes_mm: F32, points: AppearancePoints, softening: float
-) -> F32:
-    """Return the appearance (S, P) of every sample at shapes (S, Q, 3)."""
-    augmentation = training_set.augmentation
-    camera = training_set.camera
-    out = np.empty((len(shapes_mm), len(points.corners)), np.float32)
-    sample_training(
-        training_set.images,
-        training_set.image,
-        training_set.shift_mm,
-        shapes_mm,
-        points.corners,
-        points.weights,
-        points.offsets,
-        points.members,
-        points.cell,
-        softening,
-        np.array([camera.focal_px, *camera.center_px], np.float32),
-        augmentation.normals,
-        augmentation.faces,
-        augmentation.exposure,
-        augmentation.lamp,
-        augmentation.occluder,
-        out,
-    )
-    return out
 
 
 def _train_stage(

@@ -177,7 +177,7 @@ def sample_training(
     projection: F32,  # (3,)
     normals: F32,  # (N, h, w, 3)
     faces: F32,  # (N, 3)
-    exposure: F32,  # (S, 4) or (0, 4): leave the grey levels alone
+    exposure: F32,  # (S, 4)
     lamp: F32,  # (S, 5)
     occluder: F32,  # (S, 10)
     out: F32,  # (S, P)
@@ -194,17 +194,16 @@ def sample_training(
         project_points(shape, corners, weights, offsets, projection, positions)
         i = image[s]
         sample_image(images[i], positions, intensities)
-        if exposure.shape[0] > 0:
-            disturb(
-                images,
-                normals[i],
-                faces[i],
-                exposure[s],
-                lamp[s],
-                occluder[s],
-                positions,
-                intensities,
-            )
+        disturb(
+            images,
+            normals[i],
+            faces[i],
+            exposure[s],
+            lamp[s],
+            occluder[s],
+            positions,
+            intensities,
+        )
         if softening > 0:
             mean = np.empty((members.shape[0], 1), np.float32)
             scale = np.empty((members.shape[0], 1), np.float32)

@@ -13,7 +13,8 @@ from core.geometry import matrix_from_head_angles
 from core.kernels.training import best_pairs, find_leaves, grow_leaves, inverse_deviations
 from core.point_drawing import PointSettings, draw_points, mean_shape
 from core.regressor import Regression
-from core.regressor_trainer import PAPER_SETTINGS, TrainSettings, sample, train
+from core.regressor_trainer import PAPER_SETTINGS, TrainSettings, train
+from core.sampling import sample, uncovered, undisturbed
 from core.training_set import TrainingSetSettings, make_training_set
 from tests import naive
 from tests.synthetic_face import N_POINTS, finish, make_face, small_world
@@ -177,20 +178,12 @@ def test_contrast_normalisation_takes_gain_and_gradient_out(tiny_set):
     """The exposure of a sample changes its grey levels much, its normalised appearance little."""
     shape = mean_shape(tiny_set.shapes_mm)
     points = draw_points(shape, tiny_set.triangles, np.random.default_rng(3), PointSettings())
-    calm = replace(
-        tiny_set,
-        augmentation=replace(
-            tiny_set.augmentation,
-            exposure=np.tile([1.0, 1.0, 0.0, 0.0], (len(tiny_set.image), 1)),
-            lamp=np.zeros_like(tiny_set.augmentation.lamp),
-            occluder=np.zeros_like(tiny_set.augmentation.occluder),
-        ),
-    )
+    calm = undisturbed(tiny_set)
     dark = replace(
         calm,
         augmentation=replace(
             calm.augmentation,
-            exposure=np.tile([0.5, 1.0, 0.1, 0.0], (len(tiny_set.image), 1)),
+            exposure=np.tile([0.5, 1.0, 0.1, 0.0], (len(calm.image), 1)),
         ),
     )
 
@@ -205,16 +198,11 @@ def test_contrast_normalisation_takes_gain_and_gradient_out(tiny_set):
 def test_an_occluder_and_a_lamp_change_what_is_sampled(tiny_set):
     shape = mean_shape(tiny_set.shapes_mm)
     points = draw_points(shape, tiny_set.triangles, np.random.default_rng(3), PointSettings())
-    n = len(tiny_set.image)
+    calm = undisturbed(tiny_set)
+    n = len(calm.image)
 
     def sampled(**changed):
-        calm = {
-            "exposure": np.tile([1.0, 1.0, 0.0, 0.0], (n, 1)),
-            "lamp": np.zeros((n, 5)),
-            "occluder": np.zeros((n, 10)),
-        }
-        augmentation = replace(tiny_set.augmentation, **(calm | changed))
-        disturbed = replace(tiny_set, augmentation=augmentation)
+        disturbed = replace(calm, augmentation=replace(calm.augmentation, **changed))
         return sample(disturbed, disturbed.truth_mm, points, 0.0)
 
     plain = sampled()
@@ -237,3 +225,10 @@ def test_the_check_measures_the_distance_from_the_linear_model(rng):
     away = (inside + 2 * outside).astype(np.float32)
     assert np.allclose(residuals(inside, mean, basis), 0, atol=1e-3)
     assert np.allclose(residuals(away, mean, basis), 2 / np.sqrt(20), atol=1e-3)
+
+
+def test_uncovered_samples_are_lit_but_not_hidden(tiny_set):
+    first = uncovered(tiny_set, 50)
+    assert np.array_equal(first.image, tiny_set.image[:50])
+    assert np.array_equal(first.augmentation.lamp, tiny_set.augmentation.lamp[:50])
+    assert np.all(first.augmentation.occluder == 0)
