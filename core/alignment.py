@@ -60,7 +60,8 @@ class Alignment:
         landmarks: The 75 landmarks and both pupils.
         mesh_px: (478, 2) all points of the network.
         mesh_depth_px: (478,) away from the camera, 0 near the middle of the head.
-        rotation: (3, 3) model to camera under weak perspective; large turns come out too small.
+        rotation: (3, 3) model to camera under weak perspective; on rendered heads yaw and roll are
+            within about 5 degrees, pitch comes out about 8 degrees low.
         presence: How sure the network is that this is a face, in [0, 1].
         region: What it looked at.
         px_per_mm: Scale of a mean face in the picture.
