@@ -6,7 +6,7 @@ import numpy as np
 
 from app.avatars.assembly import Assembly
 from app.avatars.bob import curtain
-from app.avatars.bust import fitted_bust, neck_uv
+from app.avatars.bust import fitted_bust, neck_openness, neck_uv
 from app.avatars.complexion import skin_texture
 from app.avatars.hair import CUTS, Scalp, combed, hair_mm, strands
 from app.avatars.hairline import above_hairline_mm
@@ -63,7 +63,7 @@ def _add_skin(assembly: Assembly, head: Head, looks: Looks, wardrobe: Wardrobe) 
     bust = wardrobe.bust
     neck_mm, shirt_mm = fitted_bust(bust, head.neutral_mm)
     ring = len(bust.ring)
-    neck_extra = np.stack([bust.neck_holds, 0.9 + 0 * bust.neck_holds], axis=1)
+    neck_extra = np.stack([bust.neck_holds, neck_openness(bust, wardrobe.extra[:, 1])], axis=1)
     first = assembly.add_vertices(neck_mm[ring:], _extra(neck_extra[ring:]))
     rows = np.concatenate([bust.ring, first + np.arange(len(neck_mm) - ring)]).astype(np.int32)
     skin = surface(head.model, "skin", "mouth")

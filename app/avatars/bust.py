@@ -98,6 +98,14 @@ def fitted_bust(bust: Bust, neutral_mm: FloatArray) -> tuple[FloatArray, FloatAr
     return neck, middle + shift + scale * (bust.shirt_mm - middle)
 
 
+def neck_openness(bust: Bust, openness: F32) -> F32:
+    """Return how open the neck (N,) is to the light, going on from the head's (V,) own values."""
+    ring = openness[bust.ring]
+    away = np.linalg.norm(bust.neck_mm[:, None] - bust.neck_mm[None, : len(ring)], axis=2)
+    share = np.clip(away.min(axis=1) / 45.0, 0, 1)
+    return np.asarray(ring[away.argmin(axis=1)] * (1 - share) + 0.85 * share, np.float32)
+
+
 def neck_uv(bust: Bust, model: FaceModel) -> F32:
     """Return where the neck's triangles (T, 3, 2) take the skin's texture from.
 

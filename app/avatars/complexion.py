@@ -10,6 +10,8 @@ from core.records import F32, U8
 
 #: Oiliness of plain skin, and of lips and lid rims, in the texture's alpha.
 _SKIN_GLOSS, _WET_GLOSS = 0.34, 0.75
+#: Colour of what is inside the mouth and behind the lids, in people of every tone.
+_FLESH = (150, 78, 72)
 #: Rows mixed at a time: small enough to stay in the processor's cache.
 _BAND = 32
 
@@ -37,6 +39,7 @@ def _mixed(maps: dict[str, F32], looks: Looks) -> U8:
     """Return the colour and oiliness where the maps (h, S) are."""
     color = _tinted(maps, looks)
     _mix(color, linear(looks.lips), 0.92 * maps["lips"])
+    _mix(color, linear(_FLESH), 0.85 * maps["flesh"])
     # The lips keep some of the skin's grain, in their own colour.
     grain = 0.35 * (maps["mottle"] - 0.5) + 0.32 * (maps["pores"] - 0.5)
     color *= (1 + grain + 1.2 * looks.age * (maps["wrinkles"] - 0.5))[..., None]
@@ -66,8 +69,8 @@ def _paint_hair(color: F32, maps: dict[str, F32], looks: Looks) -> None:
     if looks.hair_style != "bald":
         roots = 0.55 * linear(looks.hair) + 0.1 * linear(looks.skin)
         _mix(color, roots, 0.9 * maps["scalp"])
-    beard = 0.6 * linear(looks.brows) + 0.3 * linear(looks.skin) * rgb(0.7, 0.8, 0.9)
-    _mix(color, beard, 0.62 * looks.beard * maps["stubble"])
+    beard = 0.7 * linear(looks.brows) + 0.15 * linear(looks.skin) * rgb(0.7, 0.9, 1.0)
+    _mix(color, beard, 0.8 * looks.beard * maps["stubble"])
     brows = np.clip(maps["brows"] * (0.35 + 0.8 * looks.brow_density), 0, 0.95)
     _mix(color, linear(looks.brows), brows)
     _mix(color, linear(looks.brows) * 0.3, 0.85 * looks.lashes * maps["lashline"])

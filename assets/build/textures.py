@@ -41,6 +41,7 @@ def main(wheel_path: str) -> None:
     write("lids", cv2.GaussianBlur(region(wheel, "eyelids"), (0, 0), 7), 1024)
     write("lashline", lash_line(canvas, model), 2048)
     write("blush", blush(canvas, spots, region(wheel, "ears")), 512)
+    write("flesh", flesh(canvas, model), 512)
     write("mottle", mottle(canvas, rng), 1024)
     write("pores", pores(canvas, rng), 1024)
     write("freckles", freckles(canvas, spots, rng), 2048)
@@ -96,6 +97,18 @@ def blush(canvas: Canvas, spots: dict[str, np.ndarray], ears: np.ndarray) -> np.
     ear &= canvas.points_mm[..., 2] > 55
     out += 0.55 * cv2.GaussianBlur(np.maximum(ear.astype(np.float32), ears), (0, 0), 9)
     return np.clip(out, 0, 1)
+
+
+def flesh(canvas: Canvas, model: FaceModel) -> np.ndarray:
+    """Return where the skin is a mucous one: the mouth's inside and the backs of the lids."""
+    out = np.zeros(canvas.inside.shape, np.float32)
+    corners = model.uv * canvas.scale
+    mouth = corners[model.part_triangles("mouth")]
+    # The eye sockets are islands of their own, left below the face.
+    socket = (model.uv[..., 0] < 0.29) & (model.uv[..., 1] > 0.57) & (model.uv[..., 1] < 0.78)
+    for corner in np.concatenate([mouth, corners[socket.all(axis=1) & (model.part == 0)]]):
+        cv2.fillConvexPoly(out, np.round(corner).astype(np.int32), 1.0)
+    return cv2.dilate(out, np.ones((9, 9), np.uint8))
 
 
 def mottle(canvas: Canvas, rng: np.random.Generator) -> np.ndarray:
