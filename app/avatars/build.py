@@ -69,7 +69,10 @@ def _add_skin(assembly: Assembly, head: Head, looks: Looks, wardrobe: Wardrobe) 
     skin = surface(head.model, "skin", "mouth")
     if looks.hair_style in CUTS:
         # What lies deep under hair is never seen.
-        seen = above_hairline_mm(head.model.mean_mm)[skin.triangles].min(axis=1) < _COVERED_MM
+        seen = (
+            above_hairline_mm(head.model.mean_mm.astype(float))[skin.triangles].min(axis=1)
+            < _COVERED_MM
+        )
         skin = Surface(skin.triangles[seen], skin.uv[seen])
     material = Material("skin", skin_texture(wardrobe.skin_maps, looks))
     assembly.add_surface(

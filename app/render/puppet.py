@@ -8,7 +8,6 @@ from app.render.renderer import Item, Renderer
 from app.render.scene import Mesh, Uniforms
 from core.arkit import EXPRESSION_NAMES
 from core.geometry import (
-    matrix_from_quaternion,
     matrix_from_rotation_vector,
     rotation_vector_from_matrix,
 )
@@ -161,11 +160,3 @@ def _part_of_turn(rotation: FloatArray, share: float) -> FloatArray:
 
 def _mesh(part: Part, vertices: F32, normals: F32) -> Mesh:
     return Mesh(vertices[part.rows], normals[part.rows], part.uv, part.extra, part.triangles)
-
-
-def pose_matrix(rotation_wxyz: FloatArray, translation_mm: FloatArray) -> FloatArray:
-    """Return the (4, 4) matrix of a FaceState's rotation and translation."""
-    out = np.eye(4)
-    out[:3, :3] = matrix_from_quaternion(rotation_wxyz)
-    out[:3, 3] = translation_mm
-    return out
