@@ -1,8 +1,8 @@
 """Time of one avatar picture at 640x480: pose, upload, draw, read back, smooth edges.
 
-Run: pytest tests/benchmarks/bench_render.py; with --junitxml=FILE it writes the number. The time
-of all threads of the process counts, since a software renderer draws in threads of its own; with
-other load on the machine it rises by half.
+Run: pytest tests/benchmarks/bench_render.py. The table shows wall time; the budget is processor
+time of all threads, since a software renderer draws in threads of its own (in the file that
+--benchmark-json=FILE writes, as cpu_ms). With other load on the machine it rises by half.
 """
 
 import time
@@ -48,15 +48,16 @@ def least_cpu_ms(work, rounds=6, repeats=10):
 
 
 @pytest.mark.gl
-def test_a_picture_of_the_avatar(avatar, record_property):
+def test_a_picture_of_the_avatar(avatar, benchmark):
     renderer = renderer_or_skip()
     painter = AvatarPainter(renderer)
     framing = portrait(avatar, SIZE_PX, np.array([1.0, 0, 0, 0]), np.array([0.0, 0, 600]))
     wish = AvatarWish(avatar, framing, expression_of(SHAPES), np.zeros((2, 2)))
     cpu_ms = least_cpu_ms(lambda: painter.draw(wish))
+    benchmark.pedantic(painter.draw, (wish,), rounds=30)
+    benchmark.extra_info["cpu_ms"] = cpu_ms
     where = "in software" if renderer.software else "on a graphics card"
     renderer.release()
-    record_property("cpu_ms", cpu_ms)
     said = f"a picture of {len(avatar.neutral_mm)} vertices {where} takes {cpu_ms:.1f} ms CPU"
     assert cpu_ms < BUDGET_MS, said
 
