@@ -31,8 +31,9 @@ class TerminalProgress:
 
     def follow(self, steps: Generator[Progress, None, T]) -> T:
         """Run a generator to its end and return its record, showing its progress."""
-        started_s = self._clock()
         self._shown_s, self._label = -1e9, ""
+        # The first step may hold a start-up that says nothing about the pace of the others.
+        first: tuple[float, float] | None = None
         while True:
             try:
                 progress = next(steps)
@@ -42,14 +43,15 @@ class TerminalProgress:
             except BaseException:
                 self._close()
                 raise
-            self._show(progress, started_s)
+            now_s = self._clock()
+            first = first or (share_done(progress), now_s)
+            self._show(progress, now_s, share_done(progress) - first[0], now_s - first[1])
 
-    def _show(self, progress: Progress, started_s: float) -> None:
-        now_s = self._clock()
+    def _show(self, progress: Progress, now_s: float, gained: float, elapsed_s: float) -> None:
         if progress.label == self._label and now_s - self._shown_s < self._every_s:
             return
         self._shown_s, self._label = now_s, progress.label
-        text = progress_line(progress, now_s - started_s)
+        text = progress_line(progress, gained, elapsed_s)
         if self._overwrite:
             self._stream.write("\r" + text.ljust(self._width))
             self._width = len(text)
@@ -65,19 +67,27 @@ class TerminalProgress:
             self._width = 0
 
 
-def progress_line(progress: Progress, elapsed_s: float) -> str:
+def progress_line(progress: Progress, gained: float, elapsed_s: float) -> str:
     """Return one line: label, percentage, remaining time as far as it can be told.
 
-    Work of unknown length has the total 0; then the steps are counted.
+    Args:
+        progress: To tell. Work of unknown length has the total 0; then the steps are counted.
+        gained: Share of the whole done in the time that has elapsed.
+        elapsed_s: Time for that.
     """
     if progress.total == 0:
         return f"{progress.label:<32} {progress.done}"
-    share = min(max(progress.done / progress.total, 0.0), 1.0)
+    share = share_done(progress)
     line = f"{progress.label:<32} {100 * share:3.0f} %"
     # In the first moments the estimate is noise.
-    if share >= 0.02 and elapsed_s >= 1:
-        line += f"  {duration(elapsed_s * (1 - share) / share)} left"
+    if gained >= 0.02 and elapsed_s >= 1:
+        line += f"  {duration(elapsed_s * (1 - share) / gained)} left"
     return line
+
+
+def share_done(progress: Progress) -> float:
+    """Return how much of the work is done, in [0, 1]."""
+    return min(max(progress.done / max(progress.total, 1), 0.0), 1.0)
 
 
 def duration(seconds: float) -> str:

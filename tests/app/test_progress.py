@@ -37,17 +37,31 @@ def test_duration(seconds, text):
 
 
 def test_line_has_label_percentage_and_remaining_time():
-    line = progress_line(Progress(25, 100, "Training the regressor"), 10.0)
+    line = progress_line(Progress(25, 100, "Training the regressor"), 0.25, 10.0)
     assert line.split() == ["Training", "the", "regressor", "25", "%", "0:30", "left"]
 
 
 def test_no_remaining_time_is_guessed_from_the_first_moments():
-    assert "left" not in progress_line(Progress(1, 100, "Fitting"), 10.0)
-    assert "left" not in progress_line(Progress(50, 100, "Fitting"), 0.1)
+    assert "left" not in progress_line(Progress(1, 100, "Fitting"), 0.01, 10.0)
+    assert "left" not in progress_line(Progress(50, 100, "Fitting"), 0.5, 0.1)
+
+
+def test_a_slow_start_does_not_spoil_the_estimate():
+    clock = Clock(0.0)
+
+    def slow_start():
+        clock.now_s += 100
+        for done in range(1, 11):
+            yield Progress(done, 10, "Tracking")
+            clock.now_s += 2
+
+    stream = io.StringIO()
+    TerminalProgress(stream, clock).follow(slow_start())
+    assert "40 %  0:12 left" in stream.getvalue()
 
 
 def test_work_of_unknown_length_is_counted():
-    assert progress_line(Progress(12, 0, "Tracking"), 9.0).split() == ["Tracking", "12"]
+    assert progress_line(Progress(12, 0, "Tracking"), 0.0, 9.0).split() == ["Tracking", "12"]
 
 
 def test_the_record_comes_through_and_a_terminal_line_is_cleared_at_the_end():
