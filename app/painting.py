@@ -1,4 +1,9 @@
-"""The avatars by name, and a painter that draws one as face states say."""
+"""The avatars by name, and painters that draw one as face states say."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
 
 from app.avatars.gallery import Gallery
 from app.avatars.painter import AvatarPainter as Drawer
@@ -7,7 +12,9 @@ from app.avatars.views import Framing, overlay, portrait
 from app.render.avatar import Avatar
 from app.render.renderer import Renderer
 from app.resources import asset
+from core.arkit import EXPRESSION_NAMES
 from core.face_model import FaceModel
+from core.landmarks import N_LANDMARKS
 from core.records import U8, Camera, FaceState, FloatArray, UserBlendshapes
 
 #: The user's own head, then the built-in ones.
@@ -23,10 +30,39 @@ def make_avatar(name: str, model: FaceModel, user: UserBlendshapes | None = None
         model: The shipped face model.
         user: Whose head is the own one; without it, that is the first built-in avatar.
     """
-    gallery = Gallery(asset("."), model)
-    if name == OWN:
-        return gallery.built_in(AVATARS[1]) if user is None else gallery.of_user(user)
-    return gallery.built_in(name)
+    return avatar_from(Gallery(asset("."), model), name, user)
+
+
+def avatar_from(gallery: Gallery, name: str, user: UserBlendshapes | None) -> Avatar:
+    """Return an avatar of a gallery, which keeps the files that all of them share."""
+    if name != OWN:
+        return gallery.built_in(name)
+    return gallery.built_in(AVATARS[1]) if user is None else gallery.of_user(user)
+
+
+def resting() -> FaceState:
+    """Return a face that looks straight ahead and shows nothing, as before the first frame."""
+    return FaceState(
+        0.0, np.array([1.0, 0, 0, 0]), np.array([0, 0, 600.0]), np.zeros(len(EXPRESSION_NAMES)),
+        np.zeros((2, 2)), np.zeros((N_LANDMARKS, 3)), np.zeros((N_LANDMARKS, 2)), 0.0, "trained",
+        lost=True,
+    )  # fmt: skip
+
+
+class PortraitView:
+    """Head and shoulders, centred where the head first was."""
+
+    def __init__(self, size_px: tuple[int, int]) -> None:
+        """Prepare pictures of a size (width, height)."""
+        self._size_px = size_px
+        self._rest_mm: FloatArray | None = None
+
+    def framing(self, avatar: Avatar, state: FaceState) -> Framing:
+        """Return where camera, head and body are."""
+        if self._rest_mm is None and not state.lost:
+            self._rest_mm = state.translation_mm
+        place = (state.rotation_wxyz, state.translation_mm)
+        return portrait(avatar, self._size_px, *place, self._rest_mm)
 
 
 class AvatarPainter:
@@ -46,23 +82,81 @@ class AvatarPainter:
         """
         self._renderer = Renderer()
         self._drawer = Drawer(self._renderer)
-        self._avatar, self._camera, self._as_portrait = avatar, camera, as_portrait
-        self._rest_mm: FloatArray | None = None
+        self._avatar, self._camera = avatar, camera
+        self._portrait = PortraitView(camera.size_px) if as_portrait else None
 
     def paint(self, state: FaceState) -> U8:
         """Return the avatar's picture (H, W, 4)."""
-        wish = AvatarWish(self._avatar, self._framing(state), state.expression, state.gaze_rad)
-        return self._drawer.draw(wish)
+        return self._drawer.draw(_wish(self._avatar, self._framing(state), state))
 
     def release(self) -> None:
         """Give the graphics resources back."""
         self._renderer.release()
 
     def _framing(self, state: FaceState) -> Framing:
-        rotation, translation = state.rotation_wxyz, state.translation_mm
-        if not self._as_portrait:
-            return overlay(self._avatar, self._camera, rotation, translation)
-        if self._rest_mm is None and not state.lost:
-            self._rest_mm = translation
-        size_px = self._camera.size_px
-        return portrait(self._avatar, size_px, rotation, translation, self._rest_mm)
+        if self._portrait is not None:
+            return self._portrait.framing(self._avatar, state)
+        return overlay(self._avatar, self._camera, state.rotation_wxyz, state.translation_mm)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cast:
+    """Who plays in the live view; every change of avatar, user or source is a new cast.
+
+    Attributes:
+        avatar: One of AVATARS.
+        user: Whose head the own one is, None without a profile.
+    """
+
+    avatar: str
+    user: UserBlendshapes | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LiveWish:
+    """A portrait to draw in the live view.
+
+    Attributes:
+        cast: Who.
+        state: What the face does.
+        delivered_s: When the frame came, on the clock of time.perf_counter; None: no frame.
+    """
+
+    cast: Cast
+    state: FaceState
+    delivered_s: float | None = None
+
+
+class LivePainter:
+    """Draws what the live view wishes; used in the render thread, whose renderer it is given."""
+
+    def __init__(self, renderer: Renderer, model: FaceModel, size_px: tuple[int, int]) -> None:
+        """Prepare pictures of a size (width, height); avatars are made when first wished for."""
+        self._drawer, self._model, self._size_px = Drawer(renderer), model, size_px
+        self._cast: Cast | None = None
+
+    def draw(self, wish: LiveWish) -> U8:
+        """Return the picture (H, W, 4).
+
+        Raises:
+            AppError: A file of the avatar cannot be used.
+        """
+        if wish.cast is not self._cast:
+            self._enter(wish.cast)
+        framing = self._view.framing(self._avatar, wish.state)
+        return self._drawer.draw(_wish(self._avatar, framing, wish.state))
+
+    def _enter(self, cast: Cast) -> None:
+        """Make the avatar unless it is the last one, and centre its portrait anew."""
+        before = self._cast
+        if before is None or (before.avatar, before.user) != (cast.avatar, cast.user):
+            self._avatar = avatar_from(self._gallery, cast.avatar, cast.user)
+        self._view, self._cast = PortraitView(self._size_px), cast
+
+    @cached_property
+    def _gallery(self) -> Gallery:
+        return Gallery(asset("."), self._model)
+
+
+def _wish(avatar: Avatar, framing: Framing, state: FaceState) -> AvatarWish:
+    return AvatarWish(avatar, framing, state.expression, state.gaze_rad)

@@ -1,28 +1,42 @@
 """What the live window's controller needs from the rest of the program, in one place."""
 
-from collections.abc import Generator
-from functools import cached_property
+from collections.abc import Callable, Generator, Sequence
+from contextlib import suppress
+from functools import cached_property, partial
 from pathlib import Path
 from threading import Lock
+from typing import Any
 
 import numpy as np
 
 from app.capture.source import FrameSource
 from app.capture.webcam import list_cameras
-from app.models import Models, load_models
-from app.painting import AVATARS, AvatarPainter, make_avatar
-from app.profiles import profile_folder
-from app.setup_steps import collect, keep, make_profile
+from app.controllers.filming import film_performer
+from app.controllers.looped import Looped
+from app.controllers.player import Performer
+from app.controllers.profile_maker import MadeProfile
+from app.controllers.progress import between
+from app.errors import AppError
+from app.models import Models, live_tracker, load_models
+from app.painting import AVATARS, OWN, LivePainter
+from app.performer.opening import SETUP, TAKE_NAMES
+from app.profiles import profile_folder, profile_names
+from app.render.renderer import Renderer
+from app.render.thread import RenderThread
+from app.resources import asset
+from app.setup_steps import Pictures, collect, keep, make_profile
 from app.sources import PERFORMER, open_source
-from app.views.live_window import Choice
-from app.workers.avatar_loop import Painter
-from core.camera import camera_for
+from app.views.choice import Choice
+from app.workers.avatar_loop import DrawingThread, Painted, painted
+from core.alignment import FaceAligner
 from core.generations import check_target
-from core.records import Progress, UserBlendshapes
+from core.records import Progress
+from core.store import Profile, load
 
 #: Size of the avatar's picture.
 AVATAR_SIZE_PX = (640, 480)
-AVATAR_TEXTS = {"own": "Your own head"}
+#: Share of the whole making of a profile that finding the pictures takes.
+COLLECT_SHARE = 0.35
 
 
 class Toolbox:
@@ -31,53 +45,113 @@ class Toolbox:
     def __init__(self) -> None:
         self._loading = Lock()
 
-    def sources(self) -> list[Choice]:
-        """Return the cameras of this machine and the virtual performer."""
-        cameras = [Choice(f"camera:{c.index}", c.name) for c in list_cameras()]
-        return [*cameras, Choice(PERFORMER, "Virtual performer")]
+    def cameras(self) -> list[Choice]:
+        """Return the cameras of this machine."""
+        return [Choice(f"camera:{found.index}", found.name) for found in list_cameras()]
+
+    def performances(self) -> list[Choice]:
+        """Return what the virtual performer can play."""
+        takes = [take for take in TAKE_NAMES if take != SETUP]
+        texts = [f"Virtual performer: {take.replace('_', ' ')}" for take in takes]
+        return [Choice(f"{PERFORMER}:{k}", text) for k, text in zip(takes, texts, strict=True)]
 
     def avatars(self) -> list[Choice]:
         """Return the avatars that can be chosen."""
-        return [Choice(name, AVATAR_TEXTS.get(name, name.capitalize())) for name in AVATARS]
+        names = [Choice(name, name.capitalize()) for name in AVATARS if name != OWN]
+        return [Choice(OWN, "Your own head"), *names]
 
-    def open_source(self, key: str) -> FrameSource:
-        """Open a source; a path is a video or a folder.
+    def profiles(self) -> list[str]:
+        """Return the names of the profiles."""
+        return profile_names()
+
+    def open_source(self, key: str, began_again: Callable[[], None]) -> FrameSource:
+        """Open a source; files are played over and over.
+
+        Args:
+            key: Of a camera or a performance, or the path of a video or a folder.
+            began_again: Called in the reading thread where a file begins once more.
 
         Raises:
             AppError: It cannot be read.
         """
-        return open_source(key, live=True)
+        if key.startswith(("camera", f"{PERFORMER}:")) and not Path(key).exists():
+            return open_source(key, live=True)
+        return Looped(partial(open_source, key), began_again)
+
+    def open_profile(self, key: str) -> Performer:
+        """Load a profile and make its tracker.
+
+        Raises:
+            CoreError, AppError: It cannot be used.
+        """
+        profile = load(profile_folder(key))
+        return Performer(live_tracker(self.models(), profile), profile.user)
 
     def models(self) -> Models:
         """Return the shipped models, loaded at the first call from any thread."""
         with self._loading:
             return self._models
 
-    def make_painter(self, avatar: str, user: UserBlendshapes | None) -> Painter:
-        """Return the painter of an avatar; called in the render thread.
+    def make_render_thread(
+        self, done: Callable[[Painted], None], failed: Callable[[AppError], None]
+    ) -> DrawingThread:
+        """Return the thread that draws avatars; it calls what it is given."""
+
+        def make(renderer: Renderer) -> Callable[..., Painted]:
+            return painted(LivePainter(renderer, self.models().face_model, AVATAR_SIZE_PX).draw)
+
+        return RenderThread(make, done, failed)
+
+    def name_trouble(self, name: str) -> str:
+        """Return what is wrong with the name of a new profile, or an empty text."""
+        try:
+            profile_folder(name)
+        except AppError as error:
+            return str(error)
+        return "A name has no '/' in it." if "/" in name else ""
+
+    def profile_steps(self, name: str, source: str) -> Generator[Progress, None, MadeProfile]:
+        """Make and keep a profile.
 
         Args:
-            avatar: One of `avatars`.
-            user: Whose head is the user's own; None: the model's mean.
-        """
-        made = make_avatar(avatar, self.models().face_model, user)
-        return AvatarPainter(made, camera_for(AVATAR_SIZE_PX, AVATAR_SIZE_PX[0]))
-
-    def profile_steps(self, name: str, source: str) -> Generator[Progress, None, str]:
-        """Make and keep a profile; returns its name.
+            name: Of the profile; one of that name is replaced when the new one is complete.
+            source: Path of a video or a folder, or `app.sources.PERFORMER`.
 
         Raises:
             AppError, CoreError: The source or the name cannot be used; nothing was changed.
         """
         folder = profile_folder(name)
         check_target(folder)
-        models = self.models()
-        pictures = yield from collect(Path(source), models.aligner)
-        steps = make_profile(models.face_model, pictures, None, np.random.default_rng(1))
-        profile, images = yield from steps
-        keep(folder, profile, images, source=source)
-        return name
+        try:
+            model = self.models().face_model
+            pictures = yield from between(0.0, COLLECT_SHARE, self._collect(source))
+            steps = make_profile(model, pictures, None, np.random.default_rng(1))
+            profile, images = yield from between(COLLECT_SHARE, 1.0, steps)
+            kept = keep(folder, profile, images, source=Path(source).name)
+        finally:
+            # Of an attempt that came to nothing no empty folder stays behind.
+            with suppress(OSError):
+                folder.rmdir()
+        return MadeProfile(name, made_text(name, kept, pictures.notes))
+
+    def _collect(self, source: str) -> Generator[Progress, None, Pictures]:
+        # The live view may be using the aligner of the models, and that is for one thread.
+        aligner = FaceAligner(asset("aligner"))
+        if source == PERFORMER:
+            return (yield from film_performer(aligner))
+        return (yield from collect(Path(source), aligner))
 
     @cached_property
     def _models(self) -> Models:
         return load_models()
+
+
+def made_text(name: str, profile: Profile, notes: Sequence[str]) -> str:
+    """Return how good a new profile is, for people."""
+    held_out: Any = profile.report["held_out"]
+    limit, share = next(iter(held_out["share_under_px"].items()))
+    told = (
+        f"The profile {name} was made from {len(profile.names)} pictures; on pictures kept for "
+        f"testing, {100 * share:.0f} % of the results are within {limit} px."
+    )
+    return " ".join([told, *(f"Note: {note}." for note in notes)])

@@ -1,69 +1,43 @@
 """The live window: the source with its landmarks on the left, the avatar on the right."""
 
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QAction, QCloseEvent, QKeySequence
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QCloseEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
-    QComboBox,
+    QCheckBox,
     QHBoxLayout,
     QLabel,
     QMainWindow,
-    QProgressBar,
     QPushButton,
     QSplitter,
-    QStatusBar,
-    QToolBar,
     QVBoxLayout,
     QWidget,
 )
 
-from app.views.picture_view import PictureView
+from app.views.choice import Choice
+from app.views.chooser import Chooser
+from app.views.files import ask_for_video
+from app.views.job_row import JobRow
+from app.views.message_bar import MessageBar
+from app.views.new_profile import NewProfileDialog
+from app.views.pane import Pane
+from app.views.status_row import LiveNumbers, StatusRow
 
-
-@dataclass(frozen=True, slots=True)
-class Choice:
-    """One entry of a chooser: what the program calls it and what people read."""
-
-    key: str
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
-class LiveNumbers:
-    """What the status line says.
-
-    Attributes:
-        state: "tracking", "searching" or "idle".
-        confidence: In [0, 1].
-        frames_per_second: Frames solved per second.
-        solve_ms: Time to solve one frame.
-        latency_ms: From the frame's delivery to the avatar's picture.
-        dropped: Frames skipped because they came too fast.
-    """
-
-    state: str
-    confidence: float
-    frames_per_second: float
-    solve_ms: float
-    latency_ms: float
-    dropped: int
-
-
-STATE_TEXTS = {
-    "tracking": "Tracking",
-    "searching": "Searching for the face",
-    "idle": "No profile: choose or make one",
-}
+#: Choices that open a dialog.
+OPEN_FILE = Choice("?file", "Video file…", "Play a video in place of a camera (Ctrl+O)")
+NEW_PROFILE = Choice("?new", "New profile…", "Make a profile from a video or pictures (Ctrl+N)")
+#: Key of the choice not to track.
+NO_PROFILE = Choice("", "No profile")
 
 
 class LiveWindow(QMainWindow):
     """Shows pictures and numbers; says what the user wishes."""
 
     source_chosen = Signal(str)
-    file_wanted = Signal()
+    sources_wanted = Signal()  # the list of sources is to be renewed
     profile_chosen = Signal(str)
-    new_profile_wanted = Signal()
+    new_profile_wanted = Signal(str, str)  # name, source
     cancel_wanted = Signal()
     avatar_chosen = Signal(str)
     closing = Signal()
@@ -71,165 +45,141 @@ class LiveWindow(QMainWindow):
     def __init__(self) -> None:
         super().__init__()
         self.setWindowTitle("facepuppet")
-        self.resize(1180, 620)
-        self.source_view = PictureView("Camera picture", "Choose a source above.")
-        self.avatar_view = PictureView("Avatar", "The avatar appears with the first frame.")
-        self._sources = self._chooser("Source", self.source_chosen)
-        self._profiles = self._chooser("Profile", self.profile_chosen)
-        self._avatars = self._chooser("Avatar", self.avatar_chosen)
-        self._message = QLabel()
-        self._message.setWordWrap(True)
-        self._message.setAccessibleName("Message")
-        self._message.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self._message.hide()
-        self._job_row, self._job_text, self._job_bar = self._make_job_row()
-        self._labels: dict[str, QLabel] = {}
-        self._build_toolbar()
-        self._build_center()
-        self._build_status()
+        self.source_pane, self.avatar_pane = Pane("Source picture"), Pane("Avatar picture")
+        self.sources, self.profiles = Chooser("Source"), Chooser("Profile")
+        self.avatars = Chooser("Avatar")
+        self.new_profile_button = QPushButton("&New profile…")
+        self.mirror_box, self.landmarks_box = QCheckBox("&Mirror"), QCheckBox("&Landmarks")
+        self.landmarks_box.setChecked(True)
+        self.message_bar, self.job_row, self.status = MessageBar(), JobRow(), StatusRow()
+        self._name_trouble: Callable[[str], str] = lambda name: ""
+        self._performer = Choice("", "")
+        self._build()
+        self._connect()
+
+    def sizeHint(self) -> QSize:
+        """Return a size that shows two pictures of a usual webcam."""
+        return QSize(1240, 600)
 
     # -- what is shown -------------------------------------------------------------------
 
-    def show_sources(self, choices: list[Choice], current: str) -> None:
+    def show_sources(self, choices: Sequence[Choice], current: str) -> None:
         """List the sources."""
-        self._fill(self._sources, choices, current)
+        self.sources.show_choices([*choices, OPEN_FILE], current)
 
-    def show_profiles(self, choices: list[Choice], current: str) -> None:
+    def show_profiles(self, names: Sequence[str], current: str) -> None:
         """List the profiles."""
-        self._fill(self._profiles, choices, current)
+        listed = [Choice(name, name) for name in names]
+        self.profiles.show_choices([NO_PROFILE, *listed], current)
 
-    def show_avatars(self, choices: list[Choice], current: str) -> None:
+    def show_avatars(self, choices: Sequence[Choice], current: str) -> None:
         """List the avatars."""
-        self._fill(self._avatars, choices, current)
-
-    def show_message(self, text: str) -> None:
-        """Show a message over the pictures, or hide it with an empty text."""
-        self._message.setText(text)
-        self._message.setVisible(bool(text))
-
-    def show_job(self, text: str, percent: int) -> None:
-        """Show that background work goes on; an empty text hides the row."""
-        self._job_row.setVisible(bool(text))
-        self._job_text.setText(text)
-        self._job_bar.setValue(percent)
+        self.avatars.show_choices(choices, current)
 
     def show_numbers(self, numbers: LiveNumbers) -> None:
         """Show the state of tracking and the speeds."""
-        tracking = numbers.state == "tracking"
-        self._labels["state"].setText(STATE_TEXTS[numbers.state])
-        self._labels["confidence"].setText(
-            f"confidence {100 * numbers.confidence:.0f} %" if tracking else ""
-        )
-        self._labels["fps"].setText(f"{numbers.frames_per_second:.0f} fps")
-        self._labels["solve"].setText(f"solve {numbers.solve_ms:.1f} ms")
-        self._labels["latency"].setText(f"latency {numbers.latency_ms:.0f} ms")
-        self._labels["dropped"].setText(f"{numbers.dropped} dropped")
+        self.status.show_numbers(numbers)
+
+    def show_mirrored(self, mirrored: bool) -> None:
+        """Show both pictures as a mirror does, or as they are."""
+        self.mirror_box.setChecked(mirrored)
+
+    def set_profile_rules(self, name_trouble: Callable[[str], str], performer: Choice) -> None:
+        """Say what the dialog for new profiles needs to know.
+
+        Args:
+            name_trouble: Returns what is wrong with a name, or an empty text.
+            performer: The source that is no file.
+        """
+        self._name_trouble, self._performer = name_trouble, performer
 
     @property
     def landmarks_wanted(self) -> bool:
         """Whether landmarks are to be drawn over the source."""
-        return self._landmarks_action.isChecked()
+        return self.landmarks_box.isChecked()
+
+    # -- what is asked -------------------------------------------------------------------
+
+    def take(self, key: str) -> None:
+        """Do what a choice of a notice or of the list of sources says."""
+        if key == OPEN_FILE.key:
+            self.ask_for_video()
+        elif key == NEW_PROFILE.key:
+            self.ask_for_profile()
+        else:
+            self.source_chosen.emit(key)
+
+    def ask_for_video(self) -> None:
+        """Let the user choose a video as the source."""
+        ask_for_video(self, "Open a video", self.source_chosen.emit, self.sources.show_current)
+
+    def ask_for_profile(self) -> None:
+        """Let the user say from what a new profile is to be made."""
+        if not self.new_profile_button.isEnabled():
+            return
+        dialog = NewProfileDialog(self._name_trouble, self.profiles.keys[1:], self._performer, self)
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        dialog.wanted.connect(self.new_profile_wanted)
+        dialog.open()
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Disappear at once, then let the work stop."""
+        self.hide()
+        self.closing.emit()
+        super().closeEvent(event)
 
     # -- construction --------------------------------------------------------------------
 
-    def _chooser(self, name: str, signal: object) -> QComboBox:
-        box = QComboBox()
-        box.setAccessibleName(name)
-        box.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
-        box.setMinimumContentsLength(14)
-        box.activated.connect(lambda row: signal.emit(box.itemData(row)))  # type: ignore[attr-defined]
-        return box
+    def _connect(self) -> None:
+        self.sources.chosen.connect(self.take)
+        self.sources.list_wanted.connect(self.sources_wanted)
+        self.source_pane.chosen.connect(self.take)
+        self.avatar_pane.chosen.connect(self.take)
+        self.profiles.chosen.connect(self.profile_chosen)
+        self.avatars.chosen.connect(self.avatar_chosen)
+        self.new_profile_button.clicked.connect(self.ask_for_profile)
+        self.job_row.cancel_wanted.connect(self.cancel_wanted)
+        self.mirror_box.toggled.connect(self.source_pane.picture.set_mirrored)
+        self.mirror_box.toggled.connect(self.avatar_pane.picture.set_mirrored)
+        QShortcut(QKeySequence.StandardKey.Open, self, self.ask_for_video)
+        QShortcut(QKeySequence.StandardKey.New, self, self.ask_for_profile)
 
-    def _fill(self, box: QComboBox, choices: list[Choice], current: str) -> None:
-        box.clear()
-        for choice in choices:
-            box.addItem(choice.text, choice.key)
-        box.setCurrentIndex(max(0, box.findData(current)))
-
-    def _build_toolbar(self) -> None:
-        bar = QToolBar("Choices")
-        bar.setMovable(False)
-        bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
-        for text, box in (
-            ("&Source", self._sources),
-            ("&Profile", self._profiles),
-            ("&Avatar", self._avatars),
-        ):
-            label = QLabel(f" {text} ")
-            label.setBuddy(box)
-            bar.addWidget(label)
-            bar.addWidget(box)
-        self._add_button(bar, "&New profile…", self.new_profile_wanted.emit)
-        bar.addSeparator()
-        self._mirror_action = self._add_toggle(bar, "&Mirror", "Ctrl+M", self._set_mirrored)
-        self._landmarks_action = self._add_toggle(bar, "&Landmarks", "Ctrl+L", lambda _on: None)
-        self._landmarks_action.setChecked(True)
-        self.addToolBar(bar)
-
-    def _add_button(self, bar: QToolBar, text: str, answer: object) -> None:
-        button = QPushButton(text)
-        button.clicked.connect(answer)
-        bar.addWidget(button)
-
-    def _add_toggle(self, bar: QToolBar, text: str, keys: str, answer: object) -> QAction:
-        action = QAction(text, self)
-        action.setCheckable(True)
-        action.setShortcut(QKeySequence(keys))
-        action.setToolTip(f"{text.replace('&', '')} ({keys})")
-        action.toggled.connect(answer)
-        bar.addAction(action)
-        return action
-
-    def _make_job_row(self) -> tuple[QWidget, QLabel, QProgressBar]:
-        row, text, bar = QWidget(), QLabel(), QProgressBar()
-        text.setMinimumWidth(320)
-        bar.setRange(0, 100)
-        cancel = QPushButton("&Cancel")
-        cancel.clicked.connect(self.cancel_wanted.emit)
-        layout = QHBoxLayout(row)
-        layout.setContentsMargins(0, 0, 0, 0)
-        for widget in (text, bar, cancel):
-            layout.addWidget(widget)
-        row.hide()
-        return row, text, bar
-
-    def _build_center(self) -> None:
+    def _build(self) -> None:
+        self.new_profile_button.setToolTip(NEW_PROFILE.details)
+        self.mirror_box.setToolTip("Show both pictures as a mirror does")
+        self.landmarks_box.setToolTip("Draw the tracked landmarks over the source")
         splitter = QSplitter()
         splitter.setChildrenCollapsible(False)
-        splitter.addWidget(self.source_view)
-        splitter.addWidget(self.avatar_view)
-        splitter.setSizes([590, 590])
+        splitter.addWidget(self.source_pane)
+        splitter.addWidget(self.avatar_pane)
+        splitter.setSizes([600, 600])
         center = QWidget()
         layout = QVBoxLayout(center)
-        layout.setContentsMargins(8, 8, 8, 4)
-        layout.addWidget(self._message)
-        layout.addWidget(self._job_row)
+        layout.setContentsMargins(8, 8, 8, 2)
+        layout.setSpacing(8)
+        layout.addLayout(self._make_choices())
+        layout.addWidget(self.message_bar)
+        layout.addWidget(self.job_row)
         layout.addWidget(splitter, stretch=1)
         self.setCentralWidget(center)
+        self.setStatusBar(self.status)
 
-    def _build_status(self) -> None:
-        status = QStatusBar()
-        for name, width in (
-            ("state", 220),
-            ("confidence", 110),
-            ("fps", 60),
-            ("solve", 100),
-            ("latency", 100),
-            ("dropped", 90),
+    def _make_choices(self) -> QHBoxLayout:
+        row = QHBoxLayout()
+        row.setSpacing(6)
+        for text, box in (
+            ("&Source", self.sources),
+            ("&Profile", self.profiles),
+            ("&Avatar", self.avatars),
         ):
-            label = QLabel()
-            label.setMinimumWidth(width)
-            label.setAccessibleName(name)
-            self._labels[name] = label
-            status.addWidget(label)
-        self.setStatusBar(status)
-        self.show_numbers(LiveNumbers("idle", 0.0, 0.0, 0.0, 0.0, 0))
-
-    def _set_mirrored(self, mirrored: bool) -> None:
-        self.source_view.set_mirrored(mirrored)
-        self.avatar_view.set_mirrored(mirrored)
-
-    def closeEvent(self, event: QCloseEvent) -> None:
-        """Let the work stop before the window goes."""
-        self.closing.emit()
-        super().closeEvent(event)
+            label = QLabel(text)
+            label.setBuddy(box)
+            row.addWidget(label)
+            row.addWidget(box, stretch=1)
+            row.addSpacing(8)
+            if box is self.profiles:
+                row.insertWidget(row.count() - 1, self.new_profile_button)
+        row.addStretch(1)
+        row.addWidget(self.landmarks_box)
+        row.addWidget(self.mirror_box)
+        return row

@@ -1,4 +1,4 @@
-"""A picture, fitted into its widget, with points over it."""
+"""A picture, fitted into its widget, with points and a short remark over it."""
 
 from dataclasses import dataclass
 
@@ -14,6 +14,7 @@ POINT_EDGE = QColor(0, 40, 60, 200)
 LOST_COLOR = QColor(255, 170, 0)
 #: Pictures are judged best against a dark, neutral surround, in light and dark themes alike.
 SURROUND_COLOR = QColor(32, 34, 37)
+BADGE_COLOR = QColor(20, 22, 24, 215)
 EMPTY_TEXT_COLOR = QColor(214, 218, 222)
 
 
@@ -41,35 +42,38 @@ def image_from_array(pixels: NDArray[np.uint8]) -> QImage:
 
 
 class PictureView(QWidget):
-    """Draws what it was last shown; with nothing to show, a text says what to do."""
+    """Draws what it was last shown."""
 
-    def __init__(self, name: str, empty_text: str, parent: QWidget | None = None) -> None:
+    def __init__(self, name: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setAccessibleName(name)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setMinimumSize(240, 180)
-        self._empty_text = empty_text
         self._image: QImage | None = None
         self._overlay: Overlay | None = None
+        self._badge = ""
         self._mirrored = False
+
+    @property
+    def badge(self) -> str:
+        """The remark over the picture, or an empty text."""
+        return self._badge
 
     def sizeHint(self) -> QSize:
         """Return the size of a usual webcam picture."""
         return QSize(640, 480)
 
-    def show_image(self, image: QImage | None) -> None:
-        """Show a picture, or the empty text."""
-        self._image = image
-        self.update()
+    def show_image(
+        self, image: QImage | None, overlay: Overlay | None = None, badge: str = ""
+    ) -> None:
+        """Show a picture, or with None only the surround.
 
-    def show_overlay(self, overlay: Overlay | None) -> None:
-        """Show points over the picture, or none."""
-        self._overlay = overlay
-        self.update()
-
-    def show_empty_text(self, text: str) -> None:
-        """Change what is said while there is no picture."""
-        self._empty_text = text
+        Args:
+            image: The picture.
+            overlay: Points over it.
+            badge: A short remark over its lower edge.
+        """
+        self._image, self._overlay, self._badge = image, overlay, badge
         self.update()
 
     def set_mirrored(self, mirrored: bool) -> None:
@@ -86,29 +90,40 @@ class PictureView(QWidget):
         return QRectF((self.width() - width) / 2, (self.height() - height) / 2, width, height)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Paint the picture, then the points."""
+        """Paint the picture, then what lies over it."""
         painter = QPainter(self)
         painter.fillRect(self.rect(), SURROUND_COLOR)
-        if self._image is None:
-            self._paint_empty(painter)
-            return
-        target = self.picture_rect()
+        if self._image is not None:
+            target = self.picture_rect()
+            painter.save()
+            self._paint_picture(painter, self._image, target)
+            painter.restore()
+            if self._badge:
+                self._paint_badge(painter, target)
+        painter.end()
+
+    def _paint_picture(self, painter: QPainter, image: QImage, target: QRectF) -> None:
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
         painter.translate(target.topLeft())
-        painter.scale(target.width() / self._image.width(), target.height() / self._image.height())
+        painter.scale(target.width() / image.width(), target.height() / image.height())
         if self._mirrored:
-            painter.translate(self._image.width(), 0)
+            painter.translate(image.width(), 0)
             painter.scale(-1, 1)
-        painter.drawImage(QPointF(0, 0), self._image)
+        painter.drawImage(QPointF(0, 0), image)
         if self._overlay is not None:
             self._paint_overlay(painter, self._overlay)
 
-    def _paint_empty(self, painter: QPainter) -> None:
+    def _paint_badge(self, painter: QPainter, target: QRectF) -> None:
+        metrics = painter.fontMetrics()
+        width, height = metrics.horizontalAdvance(self._badge) + 28, metrics.height() + 12
+        x = target.center().x() - width / 2
+        box = QRectF(x, target.bottom() - height - 14, width, height)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QPen(LOST_COLOR, 1.5))
+        painter.setBrush(BADGE_COLOR)
+        painter.drawRoundedRect(box, height / 2, height / 2)
         painter.setPen(EMPTY_TEXT_COLOR)
-        margin = self.rect().adjusted(24, 24, -24, -24)
-        painter.drawText(
-            margin, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self._empty_text
-        )
+        painter.drawText(box, Qt.AlignmentFlag.AlignCenter, self._badge)
 
     def _paint_overlay(self, painter: QPainter, overlay: Overlay) -> None:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)

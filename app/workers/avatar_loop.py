@@ -1,28 +1,16 @@
-"""The render thread: newest face state in, newest avatar picture out."""
+"""The render thread for Qt: newest wish in, newest avatar picture out."""
 
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from threading import Event
 from typing import Protocol
 
-from PySide6.QtCore import QObject, QThread, Signal
+from PySide6.QtCore import QObject, Signal
 
 from app.errors import AppError
+from app.painting import LiveWish
 from app.workers.latest import Latest
-from core.records import U8, FaceState
-
-
-class Painter(Protocol):
-    """Draws one avatar; made, used and released in the render thread."""
-
-    def paint(self, state: FaceState) -> U8:
-        """Return the avatar's picture (H, W, 4)."""
-        ...
-
-    def release(self) -> None:
-        """Give the graphics resources back."""
-        ...
+from core.records import U8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,61 +19,64 @@ class Painted:
 
     Attributes:
         picture: (H, W, 4) uint8.
-        state: What it shows.
+        wish: What it shows.
         ready_s: On the clock of time.perf_counter.
     """
 
     picture: U8
-    state: FaceState
+    wish: LiveWish
     ready_s: float
 
 
-class AvatarLoop(QThread):
-    """Paints the newest posted state; states that come too fast are skipped.
+class DrawingThread(Protocol):
+    """What is needed of app.render.thread.RenderThread."""
 
-    OpenGL contexts belong to one thread, so the painter is made in `run`.
-    """
+    def start(self) -> None:
+        """Begin to draw."""
+        ...
+
+    def ask(self, wish: LiveWish) -> None:
+        """Wish for a picture in place of one that is not begun yet."""
+        ...
+
+    def stop(self) -> None:
+        """End after the picture being drawn, and wait for that."""
+        ...
+
+
+#: Makes a thread from what is to be called, in that thread, with each picture and an error.
+MakeThread = Callable[[Callable[[Painted], None], Callable[[AppError], None]], DrawingThread]
+
+
+def painted(draw: Callable[[LiveWish], U8]) -> Callable[[LiveWish], Painted]:
+    """Return what draws a wish and notes when the picture was ready."""
+    return lambda wish: Painted(draw(wish), wish, time.perf_counter())
+
+
+class AvatarLoop(QObject):
+    """Hands wishes to a render thread and its pictures to the Qt thread."""
 
     posted = Signal()
-    failed = Signal(object)  # AppError
+    failed = Signal(object)  # AppError; nothing more is drawn
 
-    def __init__(self, make_painter: Callable[[], Painter], parent: QObject | None = None) -> None:
+    def __init__(self, make_thread: MakeThread, parent: QObject | None = None) -> None:
         super().__init__(parent)
-        self._make_painter = make_painter
-        self._states: Latest[FaceState] = Latest()
-        self._wake = Event()
         self.pictures: Latest[Painted] = Latest()
+        self._thread = make_thread(self._on_done, self.failed.emit)
 
-    def show_state(self, state: FaceState) -> None:
-        """Ask for a picture of this state."""
-        self._states.put(state)
-        self._wake.set()
+    def start(self) -> None:
+        """Begin to draw; connect the signals before."""
+        self._thread.start()
 
-    def run(self) -> None:
-        """Paint until stopped; called by QThread in the new thread."""
-        try:
-            painter = self._make_painter()
-        except AppError as error:
-            self.failed.emit(error)
-            return
-        try:
-            while not self.isInterruptionRequested():
-                self._wake.wait()
-                self._wake.clear()
-                self._paint_newest(painter)
-        finally:
-            painter.release()
+    def ask(self, wish: LiveWish) -> None:
+        """Wish for a picture; from any thread."""
+        self._thread.ask(wish)
 
     def stop(self) -> None:
         """Ask for an end and wait for it."""
-        self.requestInterruption()
-        self._wake.set()
-        self.wait()
+        self._thread.stop()
 
-    def _paint_newest(self, painter: Painter) -> None:
-        state = self._states.take()
-        if state is None:
-            return
-        painted = Painted(painter.paint(state), state, time.perf_counter())
-        if self.pictures.put(painted):
+    def _on_done(self, picture: Painted) -> None:
+        """Leave a picture in the mailbox; called in the render thread."""
+        if self.pictures.put(picture):
             self.posted.emit()

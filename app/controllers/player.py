@@ -1,0 +1,236 @@
+"""Plays one source at a time: opens it in the background, ends the one before first."""
+
+import time
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+from typing import Protocol
+
+from PySide6.QtCore import QObject, QThread, Signal
+
+from app.capture.source import FrameSource
+from app.errors import AppError
+from app.workers.job import Job
+from app.workers.live_loop import LiveLoop
+from core.errors import CoreError
+from core.records import FaceState, Frame, Progress, UserBlendshapes
+
+
+class SourceEndedError(AppError):
+    """A source that was to go on has no more frames."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        super().__init__(f"{name} gives no more pictures: choose it again, or another source")
+
+
+class FaceTracker(Protocol):
+    """What is needed of the live tracker."""
+
+    def step(self, frame: Frame) -> FaceState:
+        """Return the face in a frame."""
+        ...
+
+    def reset(self) -> None:
+        """Forget the past, as after a cut."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Performer:
+    """A profile ready for use: the tracker of a user, and the user's head."""
+
+    tracker: FaceTracker
+    user: UserBlendshapes | None
+
+
+class Opener(Protocol):
+    """What is needed of the toolbox."""
+
+    def open_source(self, key: str, began_again: Callable[[], None]) -> FrameSource:
+        """Open a source; `began_again` is called where a recording starts once more."""
+        ...
+
+    def open_profile(self, key: str) -> Performer:
+        """Load a profile and make its tracker."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What to play.
+
+    Attributes:
+        source: Key of a source.
+        profile: Key of a profile; empty only shows the source.
+    """
+
+    source: str
+    profile: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Opened:
+    """A source ready to play.
+
+    Attributes:
+        wanted: What was asked for.
+        source: To be closed by who takes it.
+        performer: None without a usable profile.
+        trouble: Why the profile cannot be used, None if it can or none was asked for.
+    """
+
+    wanted: Wanted
+    source: FrameSource
+    performer: Performer | None
+    trouble: CoreError | AppError | None
+
+
+class Opening:
+    """Opens what is wanted, in steps; `result` is there after the last one."""
+
+    def __init__(self, opener: Opener, wanted: Wanted) -> None:
+        self._opener, self._wanted = opener, wanted
+        self.result: Opened | None = None
+
+    def steps(self) -> Generator[Progress, None, None]:
+        """Open the profile, then the source.
+
+        Raises:
+            AppError: The source cannot be read.
+        """
+        yield Progress(0, 2, "Loading the profile")
+        performer, trouble = self._performer()
+        yield Progress(1, 2, "Opening the source")
+        began_again = (lambda: None) if performer is None else performer.tracker.reset
+        source = self._opener.open_source(self._wanted.source, began_again)
+        self.result = Opened(self._wanted, source, performer, trouble)
+
+    def _performer(self) -> tuple[Performer | None, CoreError | AppError | None]:
+        if not self._wanted.profile:
+            return None, None
+        try:
+            return self._opener.open_profile(self._wanted.profile), None
+        except (CoreError, AppError) as error:
+            return None, error
+
+
+class Player(QObject):
+    """Runs at most one thread, which opens or plays; a new wish waits until that has ended.
+
+    So a camera is free before it is opened again, and of several quick wishes only the last is
+    fulfilled. Nothing here makes the Qt thread wait, except `stop`.
+    """
+
+    opened = Signal(object)  # Opened, before its first frame
+    framed = Signal(object)  # LiveResult
+    failed = Signal(object)  # CoreError or AppError: nothing is played any more
+    broken = Signal()  # an error of the program, which went to the except hook
+
+    def __init__(
+        self,
+        opener: Opener,
+        solved: Callable[[Frame, FaceState | None, float], None],
+        parent: QObject | None = None,
+    ) -> None:
+        """Prepare to play.
+
+        Args:
+            opener: Opens sources and profiles, in a background thread.
+            solved: Called in the live thread with each frame, its state if there is a tracker,
+                and when the frame was delivered, on the clock of time.perf_counter.
+            parent: Of the object.
+        """
+        super().__init__(parent)
+        self._opener, self._solved = opener, solved
+        self._next: Wanted | None = None
+        self._thread: QThread | None = None
+        self._opening: Opening | None = None
+        self._loop: LiveLoop | None = None
+        self._name = ""
+        self._leaving, self._failed = False, False
+
+    @property
+    def busy(self) -> bool:
+        """Whether a thread opens, plays, or is about to end."""
+        return self._thread is not None
+
+    def play(self, wanted: Wanted | None) -> None:
+        """Play this as soon as what is played now has ended; None plays nothing."""
+        self._next = wanted
+        if self._thread is None:
+            self._open_next()
+        else:
+            self._leaving = True
+            self._thread.requestInterruption()
+
+    def stop(self) -> None:
+        """End everything and wait for it; the source is closed."""
+        self._next, self._leaving = None, True
+        if self._thread is not None:
+            self._thread.requestInterruption()
+            self._thread.wait()
+            self._on_finished()
+
+    def _open_next(self) -> None:
+        wanted, self._next = self._next, None
+        self._leaving, self._failed = False, False
+        if wanted is None:
+            return
+        self._opening = Opening(self._opener, wanted)
+        job = Job(self._opening.steps(), self)
+        job.failed.connect(self._on_failed)
+        self._run(job)
+
+    def _start_loop(self, opened: Opened) -> None:
+        self.opened.emit(opened)
+        loop = LiveLoop(opened.source, self._stepper(opened.performer), self)
+        loop.posted.connect(self._on_posted)
+        loop.failed.connect(self._on_failed)
+        loop.ended.connect(self._on_ended)
+        self._loop, self._name = loop, opened.source.name
+        self._run(loop)
+
+    def _run(self, thread: QThread) -> None:
+        self._thread = thread
+        thread.finished.connect(self._on_finished)
+        thread.start()
+
+    def _stepper(self, performer: Performer | None) -> Callable[[Frame], FaceState | None]:
+        def step(frame: Frame) -> FaceState | None:
+            delivered_s = time.perf_counter()
+            state = None if performer is None else performer.tracker.step(frame)
+            self._solved(frame, state, delivered_s)
+            return state
+
+        return step
+
+    def _on_posted(self) -> None:
+        result = self._loop.results.take() if self._loop is not None else None
+        if result is not None and not self._leaving:
+            self.framed.emit(result)
+
+    def _on_ended(self) -> None:
+        self._on_failed(SourceEndedError(self._name))
+
+    def _on_failed(self, error: CoreError | AppError) -> None:
+        self._failed = True
+        if not self._leaving:
+            self.failed.emit(error)
+
+    def _on_finished(self) -> None:
+        thread, opening = self._thread, self._opening
+        # After `stop` the signal of a thread that is gone may still come.
+        if thread is None or not thread.isFinished():
+            return
+        thread.wait()
+        thread.deleteLater()
+        self._thread, self._opening, self._loop = None, None, None
+        opened = opening.result if opening is not None else None
+        if opened is not None and not self._leaving:
+            self._start_loop(opened)
+            return
+        if opened is not None:
+            opened.source.close()
+        if not self._leaving and not self._failed:
+            self.broken.emit()
+        self._open_next()

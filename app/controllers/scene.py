@@ -1,0 +1,94 @@
+"""The avatar's side of the live view: who plays, and pictures of nobody else."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+from PySide6.QtCore import QObject, Signal
+
+from app.errors import AppError
+from app.painting import Cast, LiveWish, resting
+from app.workers.avatar_loop import AvatarLoop, DrawingThread, Painted
+from core.records import FaceState, UserBlendshapes
+
+
+class Studio(Protocol):
+    """What is needed of the toolbox."""
+
+    def make_render_thread(
+        self, done: Callable[[Painted], None], failed: Callable[[AppError], None]
+    ) -> DrawingThread:
+        """Return the thread that draws avatars."""
+        ...
+
+
+class AvatarScene(QObject):
+    """Keeps one render thread, started when first needed, for all that play one after another."""
+
+    painted = Signal(object)  # Painted, of who plays now
+    failed = Signal(object)  # AppError: nothing is drawn until the next choice
+
+    def __init__(self, studio: Studio, avatar: str, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._studio, self.avatar = studio, avatar
+        self._loop: AvatarLoop | None = None
+        self._cast: Cast | None = None
+        self._state = resting()
+
+    @property
+    def plays(self) -> bool:
+        """Whether somebody plays."""
+        return self._cast is not None
+
+    def enter(self, user: UserBlendshapes | None) -> None:
+        """Let the chosen avatar play a user, at rest before the first state comes."""
+        self._state = resting()
+        self._play(user)
+
+    def leave(self) -> None:
+        """Let nobody play."""
+        self._cast = None
+
+    def choose(self, avatar: str) -> None:
+        """Let another avatar play from now on."""
+        self.avatar = avatar
+        if self._cast is not None:
+            self._play(self._cast.user)
+
+    def show(self, state: FaceState, delivered_s: float) -> None:
+        """Ask for a picture of a state; called in the live thread."""
+        loop, cast = self._loop, self._cast
+        self._state = state
+        if loop is not None and cast is not None:
+            loop.ask(LiveWish(cast, state, delivered_s))
+
+    def stop(self) -> None:
+        """End the render thread and wait for that."""
+        self._cast = None
+        if self._loop is not None:
+            self._loop.stop()
+            self._loop.deleteLater()
+            self._loop = None
+
+    def _play(self, user: UserBlendshapes | None) -> None:
+        self._cast = Cast(self.avatar, user)
+        if self._loop is None:
+            self._loop = AvatarLoop(self._studio.make_render_thread, self)
+            self._loop.posted.connect(self._on_posted)
+            self._loop.failed.connect(self._on_failed)
+            self._loop.start()
+        self._loop.ask(LiveWish(self._cast, self._state))
+
+    def _on_posted(self) -> None:
+        painted = self._loop.pictures.take() if self._loop is not None else None
+        if painted is not None and painted.wish.cast is self._cast:
+            self.painted.emit(painted)
+
+    def _on_failed(self, error: AppError) -> None:
+        """Forget the thread, which has ended; the next choice starts another."""
+        if self._loop is None:
+            return
+        self._loop.stop()
+        self._loop.deleteLater()
+        self._loop = None
+        if self._cast is not None:
+            self.failed.emit(error)

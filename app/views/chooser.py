@@ -1,0 +1,62 @@
+"""A drop-down list of choices."""
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QComboBox, QWidget
+
+from app.views.choice import Choice
+
+
+class Chooser(QComboBox):
+    """Shows choices and says which one the user took."""
+
+    chosen = Signal(str)
+    list_wanted = Signal()  # the list is about to drop down: now is the time to renew it
+
+    def __init__(self, name: str, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setAccessibleName(name)
+        # Long names of files and cameras must not widen the window.
+        self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+        self.setMinimumContentsLength(16)
+        self.setPlaceholderText(f"Choose: {name.lower()}")
+        self._choices: tuple[Choice, ...] = ()
+        self._current = ""
+        self.activated.connect(self._on_activated)
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of the choices."""
+        return tuple(choice.key for choice in self._choices)
+
+    def show_choices(self, choices: Sequence[Choice], current: str) -> None:
+        """List the choices; without one of the current key nothing is selected."""
+        self._current = current
+        if tuple(choices) != self._choices:
+            self._choices = tuple(choices)
+            self.clear()
+            for row, choice in enumerate(choices):
+                self.addItem(choice.text, choice.key)
+                self.setItemData(row, choice.details or choice.text, Qt.ItemDataRole.ToolTipRole)
+            self._fit_list()
+        self.show_current()
+
+    def show_current(self) -> None:
+        """Select what is really current, after a choice that came to nothing."""
+        self.setCurrentIndex(self.findData(self._current))
+        details = self.itemData(self.currentIndex(), Qt.ItemDataRole.ToolTipRole)
+        self.setToolTip(details or "")
+
+    def showPopup(self) -> None:
+        """Drop the list down."""
+        self.list_wanted.emit()
+        super().showPopup()
+
+    def _fit_list(self) -> None:
+        """Make the list wide enough for its entries, though the box is narrower."""
+        widths = [self.fontMetrics().horizontalAdvance(one.text) for one in self._choices]
+        self.view().setMinimumWidth(min(max(widths, default=0) + 40, 480))
+
+    def _on_activated(self, row: int) -> None:
+        self.chosen.emit(self.itemData(row))

@@ -1,0 +1,119 @@
+"""The status line: is the face tracked, how well, and how fast."""
+
+from dataclasses import dataclass
+
+from PySide6.QtCore import QSize
+from PySide6.QtGui import QColor, QPainter, QPaintEvent
+from PySide6.QtWidgets import QLabel, QStatusBar, QWidget
+
+GOOD, WAITING, OFF = QColor(46, 160, 67), QColor(219, 140, 0), QColor(128, 128, 128)
+#: State -> what people read, colour of the lamp. The text says all that the colour says.
+STATES = {
+    "off": ("No source", OFF),
+    "opening": ("Opening…", WAITING),
+    "idle": ("No profile: the picture is only shown", OFF),
+    "searching": ("Searching for the face", WAITING),
+    "tracking": ("Tracking", GOOD),
+}
+#: Field -> the longest text, what it means.
+FIELDS = {
+    "confidence": ("confidence 100 %", "How sure the tracker is of the face it follows"),
+    "rate": ("120 fps", "Frames per second"),
+    "solve": ("solve 100.0 ms", "Time to find the face in one frame"),
+    "latency": ("latency 1000 ms", "Time from a frame's arrival to the avatar's picture"),
+    "dropped": ("10000 dropped", "Frames left out because the computer was too slow"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class LiveNumbers:
+    """What the status line says.
+
+    Attributes:
+        state: A key of STATES.
+        confidence: In [0, 1].
+        frames_per_second: Frames shown or solved per second.
+        solve_ms: Time to solve one frame.
+        latency_ms: From the frame's delivery to the avatar's picture.
+        dropped: Frames skipped because they came too fast.
+    """
+
+    state: str
+    confidence: float = 0.0
+    frames_per_second: float = 0.0
+    solve_ms: float = 0.0
+    latency_ms: float = 0.0
+    dropped: int = 0
+
+
+class Lamp(QWidget):
+    """A coloured dot."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._color = OFF
+        side = self.fontMetrics().ascent()
+        self.setFixedSize(QSize(side + 6, side))
+
+    def show_color(self, color: QColor) -> None:
+        """Change the colour."""
+        self._color = color
+        self.update()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Paint the dot."""
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(self._color.darker(130))
+        painter.setBrush(self._color)
+        side = self.height() - 4
+        painter.drawEllipse(5, 2, side, side)
+        painter.end()
+
+
+class StatusRow(QStatusBar):
+    """A lamp, the state, and numbers that change without moving each other."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._lamp, self._state = Lamp(), QLabel()
+        self._state.setAccessibleName("State")
+        self.addWidget(self._lamp)
+        self.addWidget(self._state, 1)
+        self._fields = {name: self._add_field(name) for name in FIELDS}
+        self.show_numbers(LiveNumbers("off"))
+
+    @property
+    def state(self) -> str:
+        """The shown state, for people."""
+        return self._state.text()
+
+    def field(self, name: str) -> str:
+        """Return the text of one of FIELDS."""
+        return self._fields[name].text()
+
+    def show_numbers(self, numbers: LiveNumbers) -> None:
+        """Show the state and the numbers that mean something in it."""
+        text, color = STATES[numbers.state]
+        self._state.setText(text)
+        self._lamp.show_color(color)
+        plays = numbers.state in ("idle", "searching", "tracking")
+        solves = numbers.state in ("searching", "tracking")
+        texts = {
+            "confidence": (f"confidence {100 * numbers.confidence:.0f} %", solves),
+            "rate": (f"{numbers.frames_per_second:.0f} fps", plays),
+            "solve": (f"solve {numbers.solve_ms:.1f} ms", solves and numbers.solve_ms > 0),
+            "latency": (f"latency {numbers.latency_ms:.0f} ms", solves and numbers.latency_ms > 0),
+            "dropped": (f"{numbers.dropped} dropped", solves),
+        }
+        for name, (shown, means_something) in texts.items():
+            self._fields[name].setText(shown if means_something else "")
+
+    def _add_field(self, name: str) -> QLabel:
+        longest, meaning = FIELDS[name]
+        label = QLabel()
+        label.setMinimumWidth(self.fontMetrics().horizontalAdvance(longest) + 12)
+        label.setAccessibleName(name.capitalize())
+        label.setToolTip(meaning)
+        self.addPermanentWidget(label)
+        return label
