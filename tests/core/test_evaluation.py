@@ -68,9 +68,7 @@ def test_still_frames_excludes_the_stretch_that_moves(points_mm):
 
 def test_a_perfect_track_has_no_error(points_mm):
     state = make_state(points_mm)
-    truth = Truth(
-        points_mm, state.rotation_wxyz, np.zeros(3), state.expression, np.zeros((2, 2))
-    )
+    truth = Truth(points_mm, state.rotation_wxyz, np.zeros(3), state.expression, np.zeros((2, 2)))
     result = against_truth([state], [truth], CAMERA)
     assert result["rmse_px"]["mean"] == pytest.approx(0, abs=1e-9)
     assert result["depth_mm"]["mean"] == pytest.approx(0, abs=1e-9)
