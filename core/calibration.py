@@ -9,6 +9,7 @@ depends on the focal length, and the usual focal length of webcams decides.
 
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import cv2
 import numpy as np
@@ -30,6 +31,8 @@ from core.model_fit import (
 )
 from core.picture_fit import Problem, fit_pictures
 from core.records import U8, Camera, FloatArray, Landmarks2D, Progress
+
+T = TypeVar("T")
 
 #: A chessboard must be seen this often.
 LEAST_BOARDS = 3
@@ -117,7 +120,8 @@ def estimate_focal(
         settings: How to search.
 
     Yields:
-        Progress with the focal length and its error, once per evaluation.
+        Progress, once per round of the first fit, then with the focal length and its error once
+        per evaluation.
 
     Raises:
         FewLandmarksError: A picture cannot be fitted.
@@ -127,14 +131,28 @@ def estimate_focal(
     space, width = fit_space(model), size_px[0]
     camera = camera_for(size_px, settings.usual_widths * width)
     problem, start = set_up(space, camera, landmarks, settings.fit, standard)
-    first = yield from refine(problem, space, start, settings.fit)
+    rounds, total = settings.fit.rounds, settings.fit.rounds + settings.evaluations + 1
+    first = yield from _part(refine(problem, space, start, settings.fit), 0, total)
     trial = _Trials(problem, space, first, settings)
     low, high = settings.low_widths * width, settings.high_widths * width
-    best = yield from search_focal(trial.error, low, high, settings.evaluations - 1)
+    search = search_focal(trial.error, low, high, settings.evaluations - 1)
+    best = yield from _part(search, rounds, total)
     focals = np.array(sorted(trial.tried))
     errors = np.array([trial.tried[focal] for focal in focals])
     middle, spread = parabola_minimum(np.log(focals), errors, np.log(best))
     return FocalEstimate(camera_for(size_px, float(np.exp(middle))), spread, focals, errors)
+
+
+def _part(
+    steps: Generator[Progress, None, T], before: int, total: int
+) -> Generator[Progress, None, T]:
+    """Run a part of the work that comes after `before` steps of `total`."""
+    while True:
+        try:
+            inner = next(steps)
+        except StopIteration as end:
+            return end.value  # type: ignore[no-any-return]
+        yield replace(inner, done=before + inner.done, total=total)
 
 
 class _Trials:

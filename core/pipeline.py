@@ -3,7 +3,7 @@
 pictures -> landmarks -> camera -> model fit -> blendshapes -> 3D shapes -> regressor
 """
 
-from collections.abc import Generator, Sequence
+from collections.abc import Collection, Generator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
@@ -143,7 +143,7 @@ def build(
     settings = settings or BuildSettings()
     images, landmarks, dropped = usable_pictures(images, landmarks)
     height, width = images.images[0].shape[:2]
-    stages = _Stages()
+    stages = _Stages(set() if focal_px is None else {"calibrate"})
     standard = images.standard
     if focal_px is None:
         search = estimate_focal(model, (width, height), landmarks, standard, settings.calibration)
@@ -185,21 +185,24 @@ LABELS = {
 class _Stages:
     """Turns the progress of each stage into that of the whole."""
 
-    def __init__(self) -> None:
+    def __init__(self, skipped: Collection[str]) -> None:
+        """Share the whole work among the stages that are not skipped."""
+        shares = {name: share for name, share in SHARES.items() if name not in skipped}
+        self._shares = {name: share / sum(shares.values()) for name, share in shares.items()}
         self._before = 0.0
 
     def run(self, name: str, steps: Generator[Progress, None, T]) -> Generator[Progress, None, T]:
         """Run a stage to its end."""
         label = LABELS[name]
-        yield Progress(int(STEPS * self._before), STEPS, label)
+        yield Progress(round(STEPS * self._before), STEPS, label)
         while True:
             try:
                 inner = next(steps)
             except StopIteration as end:
-                self._before += SHARES[name]
+                self._before += self._shares[name]
                 return end.value  # type: ignore[no-any-return]
-            place = self._before + SHARES[name] * inner.done / max(inner.total, 1)
-            yield replace(inner, done=int(STEPS * place), total=STEPS, label=label)
+            place = self._before + self._shares[name] * inner.done / max(inner.total, 1)
+            yield replace(inner, done=round(STEPS * place), total=STEPS, label=label)
 
 
 def _report(
