@@ -3,7 +3,7 @@
 import numpy as np
 
 from core.face_model import FaceModel, deltas_mm, neutral_mm
-from core.records import FloatArray, ModelFit, UserBlendshapes
+from core.records import I32, FloatArray, ModelFit, UserBlendshapes
 
 #: Reach of a landmark's offset over the face; wide, so that lids and lips move together.
 REACH_MM = 18.0
@@ -27,7 +27,7 @@ def user_blendshapes(model: FaceModel, fit: ModelFit) -> UserBlendshapes:
 
 
 def spread_offsets(
-    points_mm: FloatArray, landmark_vertices: FloatArray, offsets_mm: FloatArray
+    points_mm: FloatArray, landmark_vertices: I32, offsets_mm: FloatArray
 ) -> FloatArray:
     """Return a smooth displacement (V, 3) that follows the offsets of the landmarks.
 

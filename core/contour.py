@@ -46,14 +46,15 @@ def furthest_points(points_mm: FloatArray, directions: FloatArray, strips: I32) 
     image = points_mm[..., :2] / points_mm[..., 2:]
     along = np.einsum("nswc,nsc->nsw", image[:, strips], directions)
     along = np.where(strips >= 0, along, -np.inf)
-    return np.take_along_axis(strips[None], along.argmax(axis=2)[..., None], axis=2)[..., 0]
+    furthest = along.argmax(axis=2)[..., None]
+    return np.asarray(np.take_along_axis(strips[None], furthest, axis=2)[..., 0])
 
 
 def fixed_points(neutral_mm: FloatArray, strips: I32) -> I32:
     """Return the contour points (15,) of a face that looks straight into the camera."""
     frontal = neutral_mm + np.array([0.0, 0.0, USUAL_DISTANCE_MM])
     outward = outward_directions(neutral_mm, strips)[None, :, :2]
-    return furthest_points(frontal[None], outward, strips)[0]
+    return np.asarray(furthest_points(frontal[None], outward, strips)[0])
 
 
 def contour_points(

@@ -14,7 +14,7 @@ from core.fit_space import Face
 from core.geometry import matrix_from_rotation_vector
 from core.landmarks import N_INTERNAL
 from core.posit import pose_from_points
-from core.records import I32, Camera, FloatArray, Landmarks2D
+from core.records import I32, BoolArray, Camera, FloatArray, Landmarks2D
 
 N_POSE = 6
 
@@ -57,7 +57,7 @@ class State:
             np.clip(self.expressions + steps[:, N_POSE:], 0.0, 1.0),
         )
 
-    def where(self, better: FloatArray, other: "State") -> "State":
+    def where(self, better: BoolArray, other: "State") -> "State":
         """Return the other state in the pictures where it is better, (N,) bool, else this."""
         return State(
             np.where(better[:, None, None], other.rotations, self.rotations),
