@@ -7,6 +7,7 @@ from app.setup_steps import check_one_person, collect, listed, unseen
 from core.alignment import Alignment
 from core.errors import NoFaceError
 from core.face_regions import FaceBox, Region
+from core.frame_selection import SelectionSettings
 from core.geometry import matrix_from_head_angles
 from core.landmarks import MESH478
 from core.records import Landmarks2D
@@ -110,6 +111,8 @@ def test_a_video_gives_its_most_different_frames_by_number(tmp_path):
     pictures, progress = follow(collect(tmp_path / "a.avi", GreyMeansFace()))
     numbers = [int(name.removeprefix("frame_")) for name in pictures.images.names]
     assert len(numbers) == 60 and numbers == sorted(numbers)
+    # The camera settles first; none of those frames is taken.
+    assert numbers[0] == SelectionSettings().settling
     # A third of the video turns the head; by chance that would be 20 of the 60.
     assert len([n for n in numbers if 90 <= n < 148]) > 26
     assert np.isnan(pictures.images.standard).all()
