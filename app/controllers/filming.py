@@ -15,18 +15,24 @@ from core.setup_plan import standard_for
 SCENARIO = Scenario(take=SETUP)
 
 
-def film_performer(aligner: Aligner) -> Generator[Progress, None, Pictures]:
-    """Return the 60 setup pictures of the performer, with landmarks."""
+def film_performer(aligner: Aligner, every: int = 1) -> Generator[Progress, None, Pictures]:
+    """Return setup pictures of the performer, with landmarks.
+
+    Args:
+        aligner: Finds the landmarks.
+        every: Take only each so many-th of the 60 shots.
+    """
     session = setup_take(SCENARIO.seed)
-    total, label = len(session.names), "Filming the virtual performer"
+    names = session.names[::every]
+    total, label = len(names), "Filming the virtual performer"
     rgbs: list[U8] = []
     landmarks: list[Landmarks2D] = []
     with open_performer(SCENARIO) as performer:
-        for time_s in session.times_s:
+        for time_s in session.times_s[::every]:
             yield Progress(len(rgbs), total, label)
             rgb = performer.picture(round(float(time_s) * FPS)).rgb
             found = aligner.first(rgb)
             rgbs.append(rgb)
             landmarks.append(found.landmarks if found else unseen())
-    standard = np.stack([standard_for(name) for name in session.names])
-    return Pictures(SetupImages(tuple(rgbs), session.names, standard), tuple(landmarks), ())
+    standard = np.stack([standard_for(name) for name in names])
+    return Pictures(SetupImages(tuple(rgbs), names, standard), tuple(landmarks), ())

@@ -1,32 +1,33 @@
 """The live window at work: source and profile chosen, frames solved, avatar painted."""
 
 import time
-from collections.abc import Callable, Generator
-from typing import Protocol
 
 from PySide6.QtCore import QCoreApplication, QObject, QTimer
 
 from app.controllers.meter import Meter
-from app.controllers.player import Opened, Opener, Player, Wanted
+from app.controllers.player import Opened, Player, Wanted
 from app.controllers.profile_maker import MadeProfile, ProfileMaker
 from app.controllers.scene import AvatarScene
+from app.controllers.tools import Tools
 from app.errors import AppError
 from app.sources import PERFORMER
 from app.views.choice import Choice
 from app.views.live_window import NEW_PROFILE, NO_PROFILE, OPEN_FILE, LiveWindow
 from app.views.picture_view import Overlay, image_from_array
 from app.views.status_row import LiveNumbers
-from app.workers.avatar_loop import DrawingThread, Painted
+from app.workers.avatar_loop import Painted
 from app.workers.live_loop import LiveResult
 from core.errors import CoreError
 from core.landmarks import CURVES, N_INTERNAL
-from core.records import FaceState, Frame, Progress
+from core.records import FaceState, Frame
 
 NUMBERS_EVERY_MS = 250
 #: The last landmarks stand for the outline but lie on the skin: they are dots, not a line.
 DRAWN_CURVES = tuple(curve for curve in CURVES if max(curve) < N_INTERNAL)
 #: Below this confidence landmarks are drawn in the warning colour.
 SURE = 0.5
+#: Below this average confidence the user is told that something is wrong.
+DOUBTFUL = 0.25
 
 NO_CAMERA = "No camera was found.\nPlug one in, or try facepuppet without:"
 NO_PICTURE = "There is no picture."
@@ -41,40 +42,6 @@ BROKEN = (
     "an error of the program stopped this; the terminal shows the details. Choose the source "
     "again to go on"
 )
-
-
-class Tools(Opener, Protocol):
-    """What is needed of the toolbox."""
-
-    def cameras(self) -> list[Choice]:
-        """Return the cameras of this machine."""
-        ...
-
-    def performances(self) -> list[Choice]:
-        """Return what the virtual performer can play."""
-        ...
-
-    def avatars(self) -> list[Choice]:
-        """Return the avatars that can be chosen."""
-        ...
-
-    def profiles(self) -> list[str]:
-        """Return the names of the profiles."""
-        ...
-
-    def name_trouble(self, name: str) -> str:
-        """Return what is wrong with the name of a new profile, or an empty text."""
-        ...
-
-    def profile_steps(self, name: str, source: str) -> Generator[Progress, None, MadeProfile]:
-        """Make and keep a profile."""
-        ...
-
-    def make_render_thread(
-        self, done: Callable[[Painted], None], failed: Callable[[AppError], None]
-    ) -> DrawingThread:
-        """Return the thread that draws avatars."""
-        ...
 
 
 class LiveController(QObject):
@@ -237,11 +204,10 @@ class LiveController(QObject):
         self._window.avatar_pane.say("The avatar cannot be drawn.")
 
     def _show_numbers(self) -> None:
-        meter, state = self._meter, self._state
-        confidence = 0.0 if state is None else state.confidence
+        meter = self._meter
         self._window.show_numbers(
             LiveNumbers(
-                self._state_name(), confidence, meter.frames_per_second(), meter.solve_ms,
+                self._state_name(), meter.confidence, meter.frames_per_second(), meter.solve_ms,
                 meter.latency_ms, meter.dropped,
             )
         )  # fmt: skip
@@ -253,7 +219,9 @@ class LiveController(QObject):
             return "opening"
         if self._state is None:
             return "idle"
-        return "searching" if self._state.lost else "tracking"
+        if self._state.lost:
+            return "searching"
+        return "unsure" if self._meter.confidence < DOUBTFUL else "tracking"
 
     # -- making a profile ----------------------------------------------------------------
 

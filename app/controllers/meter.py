@@ -29,6 +29,7 @@ class Meter:
             self._last_index, self._solved = 0, 0
             self._dropped = 0
             self._solve_ms, self._latency_ms = 0.0, 0.0
+            self._confidence = 0.0
 
     def count(self, frame: Frame, state: FaceState | None, solve_ms: float) -> None:
         """Count a frame that was solved, or only shown (state None)."""
@@ -38,12 +39,19 @@ class Meter:
                 self._dropped += max(0, frame.index - self._last_index - 1)
                 self._solve_ms = averaged(self._solve_ms, solve_ms)
             self._last_index = frame.index
-            self._solved += state is not None
+            if state is not None:
+                self._solved += 1
+                self._confidence = averaged(self._confidence, state.confidence)
 
     def count_latency(self, latency_ms: float) -> None:
         """Count a painted picture."""
         with self._lock:
             self._latency_ms = averaged(self._latency_ms, latency_ms)
+
+    @property
+    def confidence(self) -> float:
+        """How sure the tracker is, averaged."""
+        return self._confidence
 
     @property
     def dropped(self) -> int:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Protocol
 
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject, Qt, Signal
 
 from app.errors import AppError
 from app.painting import Cast, LiveWish, resting
@@ -74,7 +74,7 @@ class AvatarScene(QObject):
         if self._loop is None:
             self._loop = AvatarLoop(self._studio.make_render_thread, self)
             self._loop.posted.connect(self._on_posted)
-            self._loop.failed.connect(self._on_failed)
+            self._loop.failed.connect(self._on_failed, Qt.ConnectionType.QueuedConnection)
             self._loop.start()
         self._loop.ask(LiveWish(self._cast, self._state))
 

@@ -56,6 +56,11 @@ class NewProfileDialog(QDialog):
         self.accepted.connect(lambda: self.wanted.emit(self._name(), self._source()))
         self._judge()
 
+    @property
+    def remark(self) -> str:
+        """What is said about the input."""
+        return self._remark.text()
+
     def _name(self) -> str:
         return self.name.text().strip()
 

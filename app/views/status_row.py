@@ -13,6 +13,7 @@ STATES = {
     "opening": ("Opening…", WAITING),
     "idle": ("No profile: the picture is only shown", OFF),
     "searching": ("Searching for the face", WAITING),
+    "unsure": ("Unsure: other light, or not the person of the profile?", WAITING),
     "tracking": ("Tracking", GOOD),
 }
 #: Field -> the longest text, what it means.
@@ -97,8 +98,8 @@ class StatusRow(QStatusBar):
         text, color = STATES[numbers.state]
         self._state.setText(text)
         self._lamp.show_color(color)
-        plays = numbers.state in ("idle", "searching", "tracking")
-        solves = numbers.state in ("searching", "tracking")
+        solves = numbers.state in ("searching", "unsure", "tracking")
+        plays = solves or numbers.state == "idle"
         texts = {
             "confidence": (f"confidence {100 * numbers.confidence:.0f} %", solves),
             "rate": (f"{numbers.frames_per_second:.0f} fps", plays),

@@ -1,0 +1,424 @@
+import re
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QImage
+from PySide6.QtWidgets import QAbstractButton, QComboBox, QFileDialog
+
+from app.controllers.live import BROKEN, INVITATION, UNUSABLE, LiveController
+from app.controllers.toolbox import Toolbox
+from app.errors import CameraLostError, SeveralFacesError
+from app.sources import PERFORMER
+from app.views.live_window import NEW_PROFILE, NO_PROFILE, OPEN_FILE, LiveWindow
+from app.views.new_profile import NewProfileDialog
+from app.workers.job import Job
+from app.workers.live_loop import LiveLoop
+from tests.app.gl import renderer_or_skip
+from tests.app.live_fakes import AVATAR_LEVELS, CAMERA, OTHER_CAMERA, STILL, FakeToolbox, no_opengl
+
+
+@pytest.fixture
+def live(qtbot):
+    """Opens live windows on toolboxes; afterwards nothing may run or be open."""
+    opened = []
+
+    def open_live(toolbox):
+        window = LiveWindow()
+        controller = LiveController(window, toolbox)
+        qtbot.addWidget(window)
+        window.show()
+        controller.start()
+        opened.append((window, controller, toolbox))
+        return window
+
+    yield open_live
+    for window, controller, toolbox in opened:
+        window.close()
+        threads = [*controller.findChildren(LiveLoop), *controller.findChildren(Job)]
+        assert not any(thread.isRunning() for thread in threads)
+        if isinstance(toolbox, FakeToolbox):
+            assert not toolbox.open_now and not toolbox.render_threads
+
+
+def shown_level(pane):
+    """The grey level in the middle of a pane's picture, None without one."""
+    if not pane.has_picture:
+        return None
+    image = pane.grab().toImage()
+    return image.pixelColor(image.width() // 2, image.height() // 2).red()
+
+
+def pixels_of(widget):
+    """(H, W, 3) RGB as it is on the screen."""
+    image = widget.grab().toImage().convertToFormat(QImage.Format.Format_RGBX8888)
+    pixels = np.frombuffer(image.constBits(), np.uint8)
+    return pixels.reshape(image.height(), -1, 4)[..., :3].astype(int)
+
+
+def most_blue(widget):
+    pixels = pixels_of(widget)
+    return (pixels[..., 2] - pixels[..., 0]).max()
+
+
+def level_of(key):
+    return sum(key.encode()) % 200 + 20
+
+
+def plays(window, key):
+    return lambda: (
+        window.source_pane.has_picture
+        and (abs(shown_level(window.source_pane) - level_of(key)) <= 1)
+    )
+
+
+def button(pane, text):
+    return next(one for one in pane.notice.buttons if one.text().startswith(text))
+
+
+def choose(box, key):
+    box.setCurrentIndex(box.findData(key))
+    box.activated.emit(box.currentIndex())
+
+
+def test_without_a_camera_performer_and_file_are_offered(live, qtbot):
+    toolbox = FakeToolbox(cameras=())
+    window = live(toolbox)
+    assert "No camera was found" in window.source_pane.notice.text
+    texts = [one.text() for one in window.source_pane.notice.buttons]
+    assert texts == ["Virtual performer: still", "Video file…"]
+    assert window.status.state == "No source" and not toolbox.opened
+    qtbot.mouseClick(window.source_pane.notice.buttons[0], Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(plays(window, STILL))
+    assert window.sources.currentData() == STILL and toolbox.opened == [STILL]
+
+
+def test_a_camera_plugged_in_later_is_in_the_list_when_it_drops_down(live):
+    toolbox = FakeToolbox(cameras=())
+    window = live(toolbox)
+    assert CAMERA not in window.sources.keys
+    toolbox.camera_keys.append(CAMERA)
+    window.sources.showPopup()
+    assert CAMERA in window.sources.keys
+    window.sources.hidePopup()
+
+
+def test_without_a_profile_the_picture_is_shown_beside_an_invitation(live, qtbot):
+    window = live(FakeToolbox())
+    qtbot.waitUntil(plays(window, CAMERA))
+    assert window.avatar_pane.notice.text == INVITATION
+    assert [one.text() for one in window.avatar_pane.notice.buttons] == [NEW_PROFILE.text]
+    qtbot.waitUntil(lambda: window.status.state.startswith("No profile"))
+    qtbot.waitUntil(lambda: window.status.field("rate").endswith("fps"))
+    assert not window.avatar_pane.has_picture and window.status.field("solve") == ""
+
+
+def test_with_a_profile_avatar_landmarks_and_numbers_are_shown(live, qtbot):
+    toolbox = FakeToolbox(profiles=["anna"])
+    window = live(toolbox)
+    qtbot.waitUntil(lambda: window.avatar_pane.has_picture)
+    qtbot.waitUntil(lambda: window.status.state == "Tracking")
+    assert window.profiles.currentData() == "anna"
+    qtbot.waitUntil(lambda: window.status.field("dropped") == "0 dropped")
+    qtbot.waitUntil(lambda: window.status.field("latency") != "")
+    assert window.status.field("confidence") == "confidence 90 %"
+    qtbot.waitUntil(lambda: most_blue(window.source_pane.picture) > 150)
+    window.landmarks_box.click()
+    qtbot.waitUntil(lambda: most_blue(window.source_pane.picture) < 10)
+
+
+def test_a_lost_face_is_said_over_the_picture(live, qtbot):
+    toolbox = FakeToolbox(profiles=["anna"])
+    window = live(toolbox)
+    qtbot.waitUntil(lambda: window.source_pane.has_picture)
+    assert window.source_pane.picture.badge == ""
+    toolbox.lost = True
+    qtbot.waitUntil(lambda: window.source_pane.picture.badge.startswith("Searching"))
+    qtbot.waitUntil(lambda: window.status.state == "Searching for the face")
+    assert window.avatar_pane.has_picture
+
+
+def test_lasting_doubt_is_told(live, qtbot):
+    toolbox = FakeToolbox(profiles=["anna"])
+    toolbox.confidence = 0.05
+    window = live(toolbox)
+    qtbot.waitUntil(lambda: window.status.state.startswith("Unsure"))
+
+
+def test_a_damaged_profile_is_told_and_the_picture_still_shown(live, qtbot):
+    toolbox = FakeToolbox(profiles=["anna", "bert"])
+    toolbox.damaged = {"anna"}
+    window = live(toolbox)
+    qtbot.waitUntil(plays(window, CAMERA))
+    assert "make it anew" in window.message_bar.text
+    assert window.avatar_pane.notice.text == UNUSABLE
+    choose(window.profiles, "bert")
+    qtbot.waitUntil(lambda: window.avatar_pane.has_picture)
+    assert window.message_bar.text == ""
+
+
+def test_a_busy_camera_can_be_tried_again(live, qtbot):
+    toolbox = FakeToolbox(profiles=["anna"])
+    toolbox.busy = {CAMERA}
+    window = live(toolbox)
+    qtbot.waitUntil(lambda: "close other programs" in window.message_bar.text)
+    assert window.message_bar.text.startswith("The camera Camera 0")
+    assert not window.source_pane.has_picture and not window.avatar_pane.has_picture
+    qtbot.waitUntil(lambda: window.status.state == "No source")
+    toolbox.busy = set()
+    qtbot.mouseClick(button(window.source_pane, "Try again"), Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(plays(window, CAMERA))
+    assert window.message_bar.text == ""
+
+
+def test_an_unplugged_camera_is_told_and_its_last_picture_does_not_stay(live, qtbot):
+    toolbox = FakeToolbox(profiles=["anna"])
+    window = live(toolbox)
+    qtbot.waitUntil(lambda: window.avatar_pane.has_picture)
+    toolbox.read_error = CameraLostError("Camera 0", 7)
+    qtbot.waitUntil(lambda: "plug it in again" in window.message_bar.text)
+    assert not window.source_pane.has_picture and not window.avatar_pane.has_picture
+    assert not toolbox.open_now
+
+
+def test_of_quick_choices_only_the_last_is_opened_and_never_two_at_once(live, qtbot):
+    toolbox = FakeToolbox(cameras=[CAMERA, OTHER_CAMERA])
+    toolbox.gate.clear()
+    window = live(toolbox)
+    qtbot.waitUntil(lambda: toolbox.opened == [CAMERA])
+    for key in (STILL, CAMERA, OTHER_CAMERA, STILL, OTHER_CAMERA):
+        choose(window.sources, key)
+    assert window.source_pane.notice.text == "Opening Camera 2…"
+    toolbox.gate.set()
+    qtbot.waitUntil(plays(window, OTHER_CAMERA))
+    assert toolbox.opened == [CAMERA, OTHER_CAMERA]
+    assert toolbox.most_open == 1
+    assert {source.key for source in toolbox.open_now} == {OTHER_CAMERA}
+
+
+def test_a_camera_is_free_before_it_is_opened_for_another_profile(live, qtbot):
+    toolbox = FakeToolbox(profiles=["anna", "bert"])
+    window = live(toolbox)
+    qtbot.waitUntil(lambda: window.avatar_pane.has_picture)
+    for name in ("bert", NO_PROFILE.key, "anna"):
+        choose(window.profiles, name)
+        assert not window.source_pane.has_picture and not window.avatar_pane.has_picture
+        qtbot.waitUntil(plays(window, CAMERA))
+    assert toolbox.most_open == 1 and window.status.field("dropped") in ("", "0 dropped")
+
+
+def test_another_avatar_takes_over_and_no_picture_of_the_old_one_comes_after(live, qtbot):
+    toolbox = FakeToolbox(profiles=["anna"])
+    window = live(toolbox)
+    qtbot.waitUntil(lambda: shown_level(window.avatar_pane) == AVATAR_LEVELS["own"])
+    choose(window.avatars, "nora")
+    for _ in range(20):
+        assert shown_level(window.avatar_pane) in (None, AVATAR_LEVELS["nora"])
+        qtbot.wait(5)
+    assert window.avatar_pane.has_picture
+    assert toolbox.opened == [CAMERA] and toolbox.render_threads == 1
+
+
+def test_a_machine_that_cannot_draw_still_shows_landmarks(live, qtbot):
+    toolbox = FakeToolbox(profiles=["anna"])
+    toolbox.render_error = no_opengl()
+    window = live(toolbox)
+    qtbot.waitUntil(lambda: "no OpenGL" in window.message_bar.text)
+    qtbot.waitUntil(lambda: window.status.state == "Tracking")
+    toolbox.render_error = None
+    choose(window.avatars, "nora")
+    qtbot.waitUntil(lambda: shown_level(window.avatar_pane) == AVATAR_LEVELS["nora"])
+
+
+def test_an_error_of_the_program_is_told_and_the_window_goes_on(live, qtbot):
+    toolbox = FakeToolbox(profiles=["anna"])
+    toolbox.tracker_error = ZeroDivisionError()
+    with qtbot.capture_exceptions() as caught:
+        window = live(toolbox)
+        qtbot.waitUntil(lambda: window.message_bar.text[1:] == BROKEN[1:])
+    assert [kind for kind, *_ in caught] == [ZeroDivisionError]
+    toolbox.tracker_error = None
+    choose(window.profiles, NO_PROFILE.key)
+    qtbot.waitUntil(plays(window, CAMERA))
+
+
+def test_closing_while_a_source_is_being_opened_closes_it(live, qtbot):
+    toolbox = FakeToolbox()
+    toolbox.gate.clear()
+    window = live(toolbox)
+    qtbot.waitUntil(lambda: toolbox.opened == [CAMERA])
+    toolbox.gate.set()
+    window.close()
+    assert not toolbox.open_now and not window.isVisible()
+
+
+def test_closing_while_everything_runs_ends_everything(live, qtbot):
+    toolbox = FakeToolbox(profiles=["anna"])
+    window = live(toolbox)
+    window.new_profile_wanted.emit("bert", "clip.mp4")
+    qtbot.waitUntil(lambda: window.avatar_pane.has_picture and window.job_row.text != "")
+    window.close()
+    assert not toolbox.open_now and toolbox.profile_names == ["anna"]
+    window.close()
+
+
+def test_a_video_is_played_under_its_name(live, qtbot):
+    window = live(FakeToolbox())
+    window.take("/home/anna/my clip.mp4")
+    qtbot.waitUntil(plays(window, "/home/anna/my clip.mp4"))
+    assert window.sources.currentText() == "my clip.mp4"
+    assert window.sources.toolTip() == "/home/anna/my clip.mp4"
+    assert window.sources.keys[-1] == OPEN_FILE.key
+
+
+def test_a_file_dialog_that_is_cancelled_changes_nothing(live, qtbot):
+    toolbox = FakeToolbox()
+    window = live(toolbox)
+    qtbot.waitUntil(plays(window, CAMERA))
+    choose(window.sources, OPEN_FILE.key)
+    dialog = window.findChild(QFileDialog)
+    assert dialog.isVisible()
+    dialog.reject()
+    assert window.sources.currentData() == CAMERA and toolbox.opened == [CAMERA]
+
+
+def test_a_camera_is_mirrored_from_the_start_and_a_video_is_not(live, qtbot):
+    window = live(FakeToolbox())
+    assert window.mirror_box.isChecked()
+    window.take("clip.mp4")
+    assert not window.mirror_box.isChecked()
+    window.mirror_box.setChecked(True)
+    choose(window.profiles, NO_PROFILE.key)
+    assert window.mirror_box.isChecked()
+
+
+def open_dialog(window, qtbot):
+    qtbot.mouseClick(window.new_profile_button, Qt.MouseButton.LeftButton)
+    return window.findChild(NewProfileDialog)
+
+
+def test_a_new_profile_is_made_beside_the_live_picture_and_then_used(live, qtbot, tmp_path):
+    toolbox = FakeToolbox()
+    window = live(toolbox)
+    qtbot.waitUntil(plays(window, CAMERA))
+    dialog = open_dialog(window, qtbot)
+    dialog.source.setText(str(tmp_path))
+    dialog.name.setText("anna")
+    dialog.accept()
+    qtbot.waitUntil(lambda: window.job_row.text.startswith("Training the regressor"))
+    assert not window.new_profile_button.isEnabled() and toolbox.made_from == [str(tmp_path)]
+    assert plays(window, CAMERA)()
+    toolbox.making_gate.set()
+    qtbot.waitUntil(lambda: window.avatar_pane.has_picture)
+    assert window.profiles.currentData() == "anna"
+    assert window.message_bar.text == "The profile anna was made."
+    assert window.job_row.text == "" and window.new_profile_button.isEnabled()
+
+
+def test_making_a_profile_can_be_cancelled(live, qtbot):
+    toolbox = FakeToolbox()
+    window = live(toolbox)
+    window.new_profile_wanted.emit("anna", "clip.mp4")
+    qtbot.waitUntil(lambda: window.job_row.text.startswith("Training"))
+    qtbot.mouseClick(window.job_row.cancel_button, Qt.MouseButton.LeftButton)
+    assert window.job_row.text.startswith("Stopping")
+    qtbot.waitUntil(lambda: window.job_row.text == "")
+    assert toolbox.profile_names == [] and window.message_bar.text == ""
+    assert window.new_profile_button.isEnabled()
+
+
+def test_a_video_that_gives_no_profile_is_told_with_what_to_do(live, qtbot):
+    toolbox = FakeToolbox(profiles=["bert"])
+    toolbox.making_error = SeveralFacesError("most frames of clip.mp4", 2)
+    toolbox.making_gate.set()
+    window = live(toolbox)
+    window.new_profile_wanted.emit("anna", "clip.mp4")
+    qtbot.waitUntil(lambda: "crop the others away" in window.message_bar.text)
+    qtbot.waitUntil(lambda: window.job_row.text == "")
+    assert window.profiles.currentData() == "bert" and "anna" not in window.profiles.keys
+
+
+def test_the_dialog_says_what_is_missing_and_suggests_a_name(live, qtbot, tmp_path):
+    toolbox = FakeToolbox(profiles=["anna"])
+    window = live(toolbox)
+    video = tmp_path / "anna.mp4"
+    video.write_bytes(b"\0")
+    dialog = open_dialog(window, qtbot)
+    ok = dialog.buttons.buttons()[0]
+    assert not ok.isEnabled()
+    dialog.source.setText(str(tmp_path / "nothing.mp4"))
+    assert "no file or folder" in dialog.remark and not ok.isEnabled()
+    dialog.source.setText(str(video))
+    assert dialog.name.text() == "anna" and "will be replaced" in dialog.remark
+    assert ok.isEnabled()
+    dialog.name.clear()
+    qtbot.keyClicks(dialog.name, "what?")
+    assert "'?'" in dialog.remark and not ok.isEnabled()
+    dialog.name.clear()
+    qtbot.keyClicks(dialog.name, "bert")
+    dialog.source.setText("Virtual performer")
+    assert dialog.name.text() == "bert" and ok.isEnabled()
+    with qtbot.waitSignal(window.new_profile_wanted) as wanted:
+        dialog.accept()
+    assert wanted.args == ["bert", PERFORMER]
+
+
+def test_every_control_has_a_name_and_is_reached_by_the_keyboard(live, qtbot):
+    window = live(FakeToolbox(cameras=()))
+
+    def controls():
+        found = [*window.findChildren(QComboBox), *window.findChildren(QAbstractButton)]
+        return [one for one in found if one.isVisible()]
+
+    # Three lists, two boxes, the new profile, and the notices' buttons.
+    qtbot.waitUntil(lambda: len(controls()) == 9)
+    for control in controls():
+        assert control.accessibleName() or getattr(control, "text", str)(), control
+        assert control.focusPolicy() & Qt.FocusPolicy.TabFocus, control
+    reached = set()
+    for _ in range(20):
+        reached.add(window.focusWidget())
+        qtbot.keyClick(window.focusWidget() or window, Qt.Key.Key_Tab)
+    assert set(controls()) <= reached
+
+
+@pytest.mark.gl
+def test_the_virtual_performer_gets_a_profile_and_moves_an_avatar(live, qtbot, monkeypatch):
+    renderer_or_skip().release()
+    quicken(monkeypatch)
+    window = live(Toolbox())
+    window.take("performer:talking")
+    qtbot.waitUntil(lambda: window.source_pane.has_picture, timeout=20_000)
+    window.new_profile_wanted.emit("mara", PERFORMER)
+    qtbot.waitUntil(lambda: window.profiles.currentData() == "mara", timeout=60_000)
+    assert re.search(r"made from 1\d pictures", window.message_bar.text)
+    qtbot.waitUntil(lambda: window.avatar_pane.has_picture, timeout=30_000)
+    qtbot.waitUntil(lambda: window.status.state == "Tracking", timeout=20_000)
+    before = pixels_of(window.avatar_pane.picture)
+    qtbot.waitUntil(
+        lambda: moved(before, pixels_of(window.avatar_pane.picture)) > 1e-3, timeout=20_000
+    )
+
+
+def quicken(monkeypatch):
+    """Train on a quarter of the pictures, with a known camera and a small regressor."""
+    from functools import partial
+
+    from app import setup_steps
+    from app.controllers import toolbox
+    from core.pipeline import BuildSettings, build
+    from core.regressor_trainer import TrainSettings
+
+    settings = BuildSettings(train=TrainSettings(n_stages=4, n_ferns=80))
+
+    def quick_build(model, images, landmarks, _focal_px, rng):
+        return build(model, images, landmarks, 620.0, rng, settings)
+
+    monkeypatch.setattr(setup_steps, "build", quick_build)
+    film = toolbox.film_performer
+    monkeypatch.setattr(toolbox, "film_performer", partial(film, every=4))
+
+
+def moved(before, now):
+    """Share of the pixels that have changed clearly."""
+    return (np.abs(before - now).max(axis=2) > 24).mean()
