@@ -211,7 +211,7 @@ def subset(model: FaceModel, vertices: I32) -> Subset:
     """Return the model at some vertices (n,), dense, for fitting."""
     modes = model.delta_modes_mm[:, vertices].astype(np.float64)
     return Subset(
-        model.mean_mm[vertices],
-        model.identity_modes_mm[:, vertices],
+        model.mean_mm[vertices].astype(np.float64),
+        model.identity_modes_mm[:, vertices].astype(np.float64),
         np.tensordot(model.delta_coefficients.astype(np.float64), modes, axes=1),
     )

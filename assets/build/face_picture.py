@@ -1,5 +1,7 @@
 """Software renderer for looking at the face model: shaded, coloured pictures of a head."""
 
+from itertools import pairwise
+
 import moderngl
 import numpy as np
 
@@ -52,11 +54,14 @@ class Painter:
     """Draws faces of one model, subdivided, into RGB pictures."""
 
     def __init__(self, model: FaceModel, size_px: tuple[int, int], levels: int = 2) -> None:
-        self._fine = refine(model.quads, len(model.mean_mm), levels)
+        shown = shown_quads(model)
+        self._fine = refine(model.quads[shown], len(model.mean_mm), levels)
         quads = self._fine.quads
         self._triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
-        part = np.tile(model.part[::2][self._fine.parent], 2)
-        self._colors = corner_colors(model, self._fine.matrix @ model.mean_mm, self._triangles, part)
+        part = np.tile(model.part[::2][shown][self._fine.parent], 2)
+        self._colors = corner_colors(
+            model, self._fine.matrix @ model.mean_mm, self._triangles, part
+        )
         self._eyes = model.eye_center_vertices
         self._gl = moderngl.create_context(standalone=True, backend="egl")
         self._program = self._gl.program(vertex_shader=VERTEX, fragment_shader=FRAGMENT)
@@ -87,6 +92,15 @@ class Painter:
         array.release()
         buffer.release()
         return halved(picture.reshape(*self._frame.size[::-1], 3)[::-1])
+
+
+def shown_quads(model: FaceModel) -> np.ndarray:
+    """Return (F,) False for the lower lashes: without their texture they look like paint."""
+    lash = model.part[::2] == PART_NAMES.index("lashes")
+    low = (
+        model.mean_mm[model.quads, 1].mean(axis=1) > model.mean_mm[model.eye_center_vertices[0], 1]
+    )
+    return ~(lash & low)
 
 
 def halved(picture: np.ndarray) -> np.ndarray:
@@ -168,7 +182,7 @@ def inside_polygon(points: np.ndarray, polygon: np.ndarray, blur_mm: float) -> n
 def distance_to_line(points: np.ndarray, line: np.ndarray) -> np.ndarray:
     """Return the distance (n,) of points (n, 3) from a polyline (m, 3)."""
     best = np.full(len(points), np.inf)
-    for a, b in zip(line[:-1], line[1:], strict=True):
+    for a, b in pairwise(line):
         along = np.clip((points - a) @ (b - a) / max((b - a) @ (b - a), 1e-9), 0, 1)
         best = np.minimum(best, np.linalg.norm(points - a - along[:, None] * (b - a), axis=1))
     return best

@@ -80,7 +80,5 @@ def refine(quads: np.ndarray, n_vertices: int, levels: int) -> Refined:
     out = catmull_clark(quads, n_vertices)
     for _ in range(levels - 1):
         finer = catmull_clark(out.quads, out.matrix.shape[0])
-        out = Refined(
-            csr_matrix(finer.matrix @ out.matrix), finer.quads, out.parent[finer.parent]
-        )
+        out = Refined(csr_matrix(finer.matrix @ out.matrix), finer.quads, out.parent[finer.parent])
     return out

@@ -8,7 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from assets.build.face_model.build import (
-    build_model, build_outsiders, model_arrays, open_workshop,
+    build_model,
+    build_outsiders,
+    model_arrays,
+    open_workshop,
 )  # fmt: skip
 from assets.build.face_model.source import Wheel, download
 from assets.build.face_model.store import save

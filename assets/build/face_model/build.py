@@ -1,13 +1,17 @@
 """The steps from the wheel to the arrays of the model and of the people outside it."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from assets.build.face_model import landmarks
 from assets.build.face_model.factor import (
-    Factored, delta_rows, factor_deltas, identity_modes, mirror_name, scores,
+    Factored,
+    delta_rows,
+    factor_deltas,
+    identity_modes,
+    mirror_name,
+    scores,
 )  # fmt: skip
 from assets.build.face_model.head import PART_NAMES, Head, build_head
 from assets.build.face_model.people import average_person, make_people, neutral_of
@@ -20,8 +24,6 @@ from assets.build.face_model.texture_space import corner_uv
 from assets.build.face_model.transfer import Transfer
 from core.arkit import EXPRESSION_NAMES
 
-#: Where the aligner sees the landmarks, measured by assets.build.landmark_offsets.
-OFFSETS = Path(__file__).parent / "landmark_offsets.csv"
 N_PEOPLE, SEED = 170, 20130721
 N_OUTSIDE, OUTSIDE_SEED = 3, 7
 
@@ -138,7 +140,6 @@ def topology_arrays(shop: Workshop) -> dict[str, np.ndarray]:
         "eyeball_vertices_left": head.group["helper-l-eye"].astype(np.uint16),
         "eye_center_vertices": np.array([head.n_vertices - 2, head.n_vertices - 1], np.uint16),
         "mirror_vertices": head.mirror.astype(np.uint16),
-        "landmark_offsets_mm": np.loadtxt(OFFSETS, delimiter=",").astype(np.float32),
     }
 
 

@@ -5,8 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from assets.build.face_model.head import Head
+from assets.build.face_model.head import PART_NAMES, Head
 from assets.build.face_model.sculptor import Sculptor
+from assets.build.face_model.surface import smooth_step
+
+#: Height over which the inside of the mouth goes from skull to jaw.
+FLOOR_BLEND_MM = 14.0
+#: Part of the lower lip, seen from its middle, whose inside follows the jaw fully.
+FULL_SIDE = 0.6
 
 
 @dataclass(frozen=True)
@@ -73,5 +79,32 @@ def make_jaw(sculptor: Sculptor, move: JawMove) -> Jaw:
     rigid = jaw.rigid(reference, move)
     weight = np.sum(opened * rigid, axis=1) / np.maximum(np.sum(rigid**2, axis=1), 1.0)
     weight = np.clip(weight, 0, 1.0)
+    cavity = cavity_vertices(sculptor)
+    weight[cavity] = floor_share(sculptor, jaw.hinge)[cavity]
+    chart = sculptor.chart
+    for ring in ("edge", "seam", "behind", "deep", "deepest"):
+        weight[chart.ring(ring)[chart.lower & (np.abs(chart.side) < FULL_SIDE)]] = 1.0
     weight[bone] = 1.0
     return Jaw(weight, jaw.hinge, bone)
+
+
+def cavity_vertices(sculptor: Sculptor) -> np.ndarray:
+    """Return the vertices inside the mouth, behind the lips."""
+    head = sculptor.head
+    inside = head.part == PART_NAMES.index("mouth")
+    shared = np.isin(head.quads[inside], head.quads[head.part == PART_NAMES.index("skin")])
+    vertices = np.setdiff1d(head.quads[inside], head.quads[inside][shared])
+    deep = [sculptor.chart.ring(name) for name in ("deep", "deepest")]
+    return np.union1d(vertices, np.concatenate(deep))
+
+
+def floor_share(sculptor: Sculptor, hinge: np.ndarray) -> np.ndarray:
+    """Return (V,) 1 under the plane from the lips to the hinge, 0 above, smooth between.
+
+    The source's target leaves the floor of the mouth before the teeth.
+    """
+    points = sculptor.reference
+    lips, joint = points[sculptor.chart.ring("seam")[0]], points[hinge[0]]
+    slope = (joint[1] - lips[1]) / (joint[2] - lips[2])
+    below = points[:, 1] - lips[1] - slope * (points[:, 2] - lips[2])
+    return smooth_step(0.5 + below / FLOOR_BLEND_MM)

@@ -18,6 +18,8 @@ OUTER_CORNER, INNER_CORNER = 21, 66
 RIM_START, INNER_EDGE_START, LOOP_LENGTH = (0, 6), (2115, 2120), 28
 #: Distance along the skin from the rim over which a lid's movement fades out.
 UPPER_REACH_MM, LOWER_REACH_MM, INSIDE_REACH_MM = 16.0, 12.0, 9.5
+#: Distance from the rim within which skin is kept out of the ball.
+AROUND_MM = 24.0
 #: Distance along the skin over which closing the last gap of a blink fades out.
 CLOSE_REACH_MM = 8.0
 
@@ -34,6 +36,8 @@ class Lids:
         upper_rim: Rim vertices from the outer to the inner corner, over the upper lid.
         lower_rim: The same over the lower lid.
         inner_edge: The closed loop of the lids' edge towards the ball.
+        around: All skin around the opening that must stay before the ball.
+        rim_mm: Its distance from the rim.
         seam: Closes the rims at the end of a blink.
     """
 
@@ -44,6 +48,8 @@ class Lids:
     upper_rim: np.ndarray
     lower_rim: np.ndarray
     inner_edge: np.ndarray
+    around: np.ndarray
+    rim_mm: np.ndarray
     seam: Seam
 
 
@@ -58,6 +64,7 @@ def right_lids(head: Head, surface: Surface, center: np.ndarray) -> Lids:
     seam = lid_seam(upper_rim, lower_rim, surface, center)
     to_rim = surface.distance(rim)
     inside = surface.distance(inner_edge) < to_rim
+    around = np.flatnonzero(~inside & (to_rim < AROUND_MM))
     reach = np.where(seam.is_upper, UPPER_REACH_MM, LOWER_REACH_MM)
     share = 1 - smooth_step(to_rim / np.where(inside, INSIDE_REACH_MM, reach))
     vertices = np.flatnonzero(share > 0)
@@ -72,6 +79,8 @@ def right_lids(head: Head, surface: Surface, center: np.ndarray) -> Lids:
         upper_rim=upper_rim,
         lower_rim=lower_rim,
         inner_edge=inner_edge,
+        around=around,
+        rim_mm=to_rim[around],
         seam=seam,
     )
 

@@ -11,7 +11,7 @@ RACES = ("african", "asian", "caucasian")
 FOLDERS = ("head", "forehead", "eyes", "eyebrows", "nose", "mouth", "cheek", "chin", "ears", "neck")
 #: Standard deviation of the local knobs of a folder; larger ones make angry or odd faces.
 SIGMA = {
-    "head": 0.17, "forehead": 0.22, "eyes": 0.22, "eyebrows": 0.2, "nose": 0.18, "mouth": 0.2,
+    "head": 0.15, "forehead": 0.14, "eyes": 0.22, "eyebrows": 0.2, "nose": 0.18, "mouth": 0.2,
     "cheek": 0.3, "chin": 0.25, "ears": 0.25, "neck": 0.2, "asym": 0.12,
 }  # fmt: skip
 #: Knobs that move or scale whole heads and necks, or belong to other species.
@@ -96,7 +96,9 @@ def macro_weights(age: float, gender: float, races: np.ndarray, build: tuple[flo
     child = max(0.0, (0.5 - age) / 0.3125)
     ages = {"child": child, "old": old, "young": 1 - child - old}
     genders = {"female": 1 - gender, "male": gender}
-    muscles, weights = (ends(value, kind) for value, kind in zip(build, ("muscle", "weight")))
+    muscles, weights = (
+        ends(value, kind) for value, kind in zip(build, ("muscle", "weight"), strict=True)
+    )
     out = {}
     for a, wa in ages.items():
         for g, wg in genders.items():

@@ -114,14 +114,6 @@ def cheek_puff(s: Sculptor) -> np.ndarray:
 
 def cheek_suck(s: Sculptor) -> np.ndarray:
     """Return cheekSuck: both cheeks hollow between the teeth, the lips narrow."""
-    goals = s.lips("seam", (0.0, 0.0, -1.6), (-3.0, 0.0, -1.6), (3.0, 0.0, -1.6))
-    hollow = {
-        CHEEK_LOW: (-4.5, 0.2, 5.5),
-        CHEEK_HOLLOW: (-6.5, 0.0, 6.5),
-        CHEEK_BACK: (-6.0, 0.0, 4.0),
-        BESIDE_MOUTH: (-2.6, 0.0, 1.4),
-        CHEEK_SIDE: (-1.0, 0.4, 1.6),
-    }
-    goals |= hollow
-    goals |= {int(s.head.mirror[v]): (-d[0], d[1], d[2]) for v, d in hollow.items()}
-    return s.seal(s.reach(np.zeros_like(s.reference), goals, 24.0))
+    hollow = s.bump(CHEEK_HOLLOW, 14.0, (-5.0, 0.0, 5.5)) + s.bump(CHEEK_LOW, 9.0, (-1.0, 0, 1.5))
+    goals = s.lips("seam", (0.0, 0.0, -1.6), (-2.4, 0.0, -1.4), (2.4, 0.0, -1.4))
+    return s.seal(s.both(hollow) + s.reach(np.zeros_like(hollow), goals, 16.0))

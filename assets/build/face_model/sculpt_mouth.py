@@ -6,7 +6,12 @@ Shapes with sides are sculpted on the left. Vectors are mm: left, down, into the
 import numpy as np
 
 from assets.build.face_model.sculpt_face import (
-    CHEEK_BONE, CHEEK_LOW, CHEEK_SIDE, JOWL, NASOLABIAL, NOSE_WING,
+    CHEEK_BONE,
+    CHEEK_LOW,
+    CHEEK_SIDE,
+    JOWL,
+    NASOLABIAL,
+    NOSE_WING,
 )  # fmt: skip
 from assets.build.face_model.sculptor import Sculptor, Vector
 

@@ -2,20 +2,26 @@
 
 import numpy as np
 
-from assets.build.face_model.jaw import Jaw, JawMove
+from assets.build.face_model.jaw import Jaw, JawMove, cavity_vertices
 from assets.build.face_model.sculpt_face import CHEEK_LOW, NASOLABIAL, NOSE_WING
 from assets.build.face_model.sculpt_mouth import (
-    CHIN, CHIN_UPPER, STILL, SUBNASALE, flipped, left_goals,
+    CHIN,
+    CHIN_UPPER,
+    STILL,
+    SUBNASALE,
+    flipped,
+    left_goals,
 )  # fmt: skip
 from assets.build.face_model.sculptor import Sculptor, Vector
 
 #: The jaw movement that the source's open mouth stands for, and ours, which opens further.
 TARGET_OPEN = JawMove(open_rad=0.40, shift_mm=(0.0, 2.0, -3.5))
-OPEN = JawMove(open_rad=0.51, shift_mm=(0.0, 2.4, -4.0))
+OPEN = JawMove(open_rad=0.48, shift_mm=(0.0, 2.4, -4.0))
 FORWARD = JawMove(shift_mm=(0.0, 1.2, -8.0))
 LEFT = JawMove(left_rad=0.115, shift_mm=(4.0, 0.8, 0.0))
 #: Share of the source's own open mouth in the skin of ours: it brings folds of the cheeks.
 TARGET_SHARE = 0.25
+UPPER_LIP = 468
 #: Share of the opening at which mouthClose brings the lips together, from the upper lip.
 LOWER_SHARE = 0.42
 
@@ -23,7 +29,11 @@ LOWER_SHARE = 0.42
 def jaw_open(s: Sculptor, jaw: Jaw) -> np.ndarray:
     """Return jawOpen: the jaw turns about its hinge and glides forward."""
     ours, theirs = jaw.move(s.reference, OPEN), s.unit("mouth-open") * 1.2
-    return ours + TARGET_SHARE * s.skin_only(theirs - ours)
+    folds = TARGET_SHARE * s.skin_only(theirs - ours)
+    folds[cavity_vertices(s)] = 0.0
+    field = ours + folds
+    # The upper lip yields a little and shows the edge of the teeth.
+    return field + s.bump(UPPER_LIP, 8.0, (0.0, -1.6, 0.4)) * (1 - jaw.weight[:, None])
 
 
 def jaw_forward(s: Sculptor, jaw: Jaw) -> np.ndarray:

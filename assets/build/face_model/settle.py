@@ -13,7 +13,13 @@ from assets.build.face_model.seam import Seam
 REST = LidMove(upper=-0.12, lower=0.05)
 LIP_OVERLAP_MM = 0.85
 #: Distance of lids from the ball: their inner edge, on average and at least, and their skin.
-EDGE_MM, EDGE_LEAST_MM, SKIN_LEAST_MM = 1.0, 0.35, 1.0
+EDGE_MM, EDGE_LEAST_MM, SKIN_LEAST_MM, FAR_LEAST_MM = 1.0, 0.35, 1.1, 0.8
+#: The source's teeth are hidden behind the lips of an open mouth and meet edge to edge; smooth
+#: subdivision shortens them by another 2 mm.
+TEETH_MM = {
+    "helper-upper-teeth": np.array([0.0, 4.0, 0.0]),
+    "helper-lower-teeth": np.array([0.0, -0.6, 1.8]),
+}
 #: The source's balls are this much too large for lids that close along straight paths.
 BALL_SCALE = 0.97
 
@@ -43,6 +49,8 @@ class Settler:
     def __call__(self, points: np.ndarray) -> np.ndarray:
         """Return the face with closed lips and fitting eyes, origin between the eyes."""
         out = self.lips.close(points, LIP_OVERLAP_MM)
+        for name, shift_mm in TEETH_MM.items():
+            out[self.head.group[name]] += shift_mm
         out = self._fit_right_eye(out)
         out = self.head.mirrored(self._fit_right_eye(self.head.mirrored(out)))
         return np.asarray(out - out[-2:].mean(axis=0))
@@ -69,8 +77,10 @@ class Settler:
         """Return the face with no part of the lids inside or too near the ball."""
         out = points.copy()
         lids = self.lids
+        # Triangles are larger away from the rim and cut deeper into the ball's roundness.
+        skin_least = SKIN_LEAST_MM + FAR_LEAST_MM * np.minimum(lids.rim_mm / 12.0, 1.0)
         for ids, least in (
-            (lids.vertices[lids.skin], SKIN_LEAST_MM), (lids.inner_edge, EDGE_LEAST_MM)
+            (lids.around, skin_least), (lids.inner_edge, EDGE_LEAST_MM)
         ):  # fmt: skip
             offset = out[ids] - center
             distance = np.linalg.norm(offset, axis=1)

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import zipfile
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -61,7 +61,7 @@ class Wheel:
         inner = [n[len(start) : -len(end)] for n in self._names if n.startswith(start)]
         return sorted(name for name in inner if "/" not in name)
 
-    @lru_cache(maxsize=None)  # noqa: B019 - one wheel lives as long as the program
+    @cache  # noqa: B019 - one wheel lives as long as the program
     def target_mm(self, name: str) -> np.ndarray:
         """Return the displacement of every vertex of the base mesh, (n, 3) mm."""
         out = np.zeros((19158, 3))
