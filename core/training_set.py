@@ -10,6 +10,7 @@ from core.augmentation import Augmentation, AugmentationSettings, draw_augmentat
 from core.geometry import matrix_from_quaternion
 from core.landmarks import SHAPE_TRIANGLES
 from core.records import F32, I32, U8, Camera, FloatArray, freeze
+from core.shape_space import pairwise_rotations
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +22,7 @@ class TrainingSetSettings:
         n_similar: G, pictures whose shapes serve as guesses for a picture.
         n_guesses: H, guesses taken from each of them.
         reach_mm: Translation along x and y, and along z.
+        same_pose: Turn each guess like the truth; see make_training_set. False: the paper.
         turn_rad: Standard deviation of the rotation of a guess about each axis. Not in the
             paper; widens the range of head rotations from which the regressor recovers.
         augmentation: How strongly the grey levels are disturbed.
@@ -30,6 +32,7 @@ class TrainingSetSettings:
     n_similar: int = 5
     n_guesses: int = 4
     reach_mm: tuple[float, float] = (10.0, 25.0)
+    same_pose: bool = True
     turn_rad: float = 0.07
     augmentation: AugmentationSettings = field(default_factory=AugmentationSettings)
 
@@ -87,9 +90,12 @@ def make_training_set(
 ) -> TrainingSet:
     """Return the training set of N pictures: N * m * G * H samples.
 
-    We differ from the paper in one point: it takes a guess from where another picture shows the
-    face, so that a user who moved his chair between two pictures gets guesses beside his head.
-    We first move each guess to the centroid of the truth, as its measure of similarity does.
+    We differ from the paper in where a guess lies. It takes guesses from where, and as turned as,
+    other pictures show the face, so a user who moved his chair between two pictures gets guesses
+    beside his head, and the one picture at 60 degrees of yaw gets guesses at 30 degrees, further
+    than ferns can bring them. We move the guess to the centroid of the truth, as the paper's
+    measure of similarity does, and turn it like the truth; then it is moved and turned by known
+    amounts. `Regression` places its starts in the same way.
 
     Args:
         images_gray: N pictures (H, W), all of the camera's size.
@@ -168,7 +174,11 @@ def _draw_guesses(
     chosen = rng.permuted(np.tile(np.arange(len(moves)), (len(image), 1)), axis=1)[:, :n_guesses]
     image, move, source = (np.repeat(a, n_guesses) for a in (image, move, source))
     like = similar[image, source]
-    turned = _turn(points_mm[like] - center[like][:, None], settings.turn_rad, rng)
+    posed = points_mm[like] - center[like][:, None]
+    if settings.same_pose:
+        rotations = pairwise_rotations(points_mm)[image, like]
+        posed = posed @ rotations.swapaxes(1, 2)
+    turned = _turn(posed, settings.turn_rad, rng)
     guess = turned + (center[image] + moves[chosen.ravel()])[:, None]
     # The trainer takes any run of samples for a fair part of all.
     order = rng.permutation(len(image))

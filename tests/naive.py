@@ -73,23 +73,25 @@ def shrunk_means(leaf, residuals, n_leaves, shrinkage):
     return leaves
 
 
-def one_pass(regressor, camera, gray, previous_mm, n_runs, use_median):
-    """[Cao13, algorithm 2], line by line; returns the shape (Q, 3) and the starts used."""
+def one_pass(regressor, camera, gray, previous_mm, settings):
+    """[Cao13, algorithm 2], line by line; returns the shape (Q, 3)."""
     center = previous_mm.mean(axis=0)
     centred = previous_mm - center
     originals = regressor.shapes_mm
     nearest = originals[((originals - centred) ** 2).sum(axis=(1, 2)).argmin()]
     rotation = register_rigid(centred, nearest)[0]
     turned = centred @ rotation.T
+    if settings.same_pose:
+        originals = np.array([s @ register_rigid(s, nearest)[0].T for s in originals])
     space = (originals[:, None] + regressor.translations_mm[:, None]).reshape(-1, *turned.shape)
     # A shape moved one way is exactly as far as moved the other way: rounded, the first wins.
     distances = np.round(((space - turned) ** 2).sum(axis=(1, 2)), 6)
     order = np.argsort(distances, kind="stable")
     runs = [
         _regress(regressor, camera, gray, space[start].copy(), rotation, center)
-        for start in order[:n_runs]
+        for start in order[: settings.n_runs]
     ]
-    combined = np.median(runs, axis=0) if use_median else np.mean(runs, axis=0)
+    combined = np.median(runs, axis=0) if settings.use_median else np.mean(runs, axis=0)
     return combined @ rotation + center
 
 

@@ -167,9 +167,30 @@ def choose_starts(
             chosen[r, 0], chosen[r, 1] = n, m
 
 
+@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def turned_distances(
+    centred: FloatArray,  # (Q, 3)
+    shapes: FloatArray,  # (N, Q, 3) centred
+    rotations: FloatArray,  # (N, 3, 3) turns each shape first
+    out: FloatArray,  # (N,) mm^2
+) -> None:
+    """Sum the squared distances of one shape to each of many, each turned by its rotation."""
+    for n in range(shapes.shape[0]):
+        turn = rotations[n]
+        total = 0.0
+        for q in range(shapes.shape[1]):
+            x, y, z = shapes[n, q, 0], shapes[n, q, 1], shapes[n, q, 2]
+            for c in range(3):
+                placed = turn[c, 0] * x + turn[c, 1] * y + turn[c, 2] * z
+                difference = placed - centred[q, c]
+                total += difference * difference
+        out[n] = total
+
+
 @numba.njit(cache=True, nogil=True)
 def place_starts(
     shapes: FloatArray,  # (N, Q, 3) centred
+    rotations: FloatArray,  # (N, 3, 3) turns each shape first
     translations: FloatArray,  # (m, 3) mm
     chosen: I32,  # (L, 2)
     out: F32,  # (Q, 3, R) R >= L; the runs beyond L repeat the last start
@@ -177,10 +198,13 @@ def place_starts(
     """Lay out the chosen starts, around the origin of the shape space."""
     for r in range(out.shape[2]):
         k = min(r, chosen.shape[0] - 1)
-        shape, translation = shapes[chosen[k, 0]], translations[chosen[k, 1]]
+        shape, turn = shapes[chosen[k, 0]], rotations[chosen[k, 0]]
+        translation = translations[chosen[k, 1]]
         for q in range(out.shape[0]):
+            x, y, z = shape[q, 0], shape[q, 1], shape[q, 2]
             for c in range(3):
-                out[q, c, r] = shape[q, c] + translation[c]
+                placed = turn[c, 0] * x + turn[c, 1] * y + turn[c, 2] * z
+                out[q, c, r] = placed + translation[c]
 
 
 @numba.njit(cache=True, nogil=True)
