@@ -68,7 +68,9 @@ class CalibrationSettings:
     """
 
     fit: FitSettings = field(
-        default_factory=lambda: FitSettings(noise_mm=1.0, contour_weight=0.02, deviation=0.3)
+        default_factory=lambda: FitSettings(
+            noise_mm=1.0, contour_weight=0.02, deviation=0.3, identity_weight=1.0
+        )
     )
     low_widths: float = 0.4
     high_widths: float = 3.0

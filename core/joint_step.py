@@ -15,7 +15,7 @@ from core.fit_problem import N_POSE, State, linearise
 from core.fit_space import FitSpace
 from core.landmarks import N_INTERNAL
 from core.picture_fit import Problem, damped, local_equations, picture_energy, step_bounds
-from core.records import I32, FloatArray
+from core.records import I32, BoolArray, FloatArray
 
 N_OFFSETS = 3 * N_INTERNAL
 
@@ -38,9 +38,9 @@ class Person:
         offsets = self.offsets_mm + step[n_identity:].reshape(-1, 3)
         return Person(self.identity + step[:n_identity], offsets)
 
-    def energy(self, offset_mm: float) -> float:
-        """Return the cost of this person, with offsets of `offset_mm` being usual."""
-        return float(np.sum(self.identity**2) + np.sum(self.offsets_mm**2) / offset_mm**2)
+    def values(self) -> FloatArray:
+        """Return identity and offsets in one row (I + 180,)."""
+        return np.concatenate([self.identity, self.offsets_mm.ravel()])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,20 +51,32 @@ class JointProblem:
         pictures: Camera, landmarks and expression prior.
         space: The model at the picked points.
         picks: (N, L) point of each landmark.
-        offset_mm: Usual size of the offsets.
+        precision: (I + 180,) prior of the person: inverse variances.
     """
 
     pictures: Problem
     space: FitSpace
     picks: I32
-    offset_mm: float
+    precision: FloatArray
+
+
+def person_precision(n_identity: int, identity_weight: float, offset_mm: float) -> FloatArray:
+    """Return the inverse variances (I + 180,) of a person's identity weights and offsets.
+
+    Args:
+        n_identity: I.
+        identity_weight: What a squared identity weight costs.
+        offset_mm: Usual size of the offsets; tiny values switch them off.
+    """
+    offsets = np.full(N_OFFSETS, offset_mm**-2.0)
+    return np.concatenate([np.full(n_identity, identity_weight), offsets])
 
 
 def joint_energy(joint: JointProblem, person: Person, state: State) -> float:
     """Return the cost of a person and all pictures."""
     face = joint.space.face(person.identity, person.offsets_mm)
     pictures = picture_energy(joint.pictures, face, state, joint.picks)
-    return float(pictures.sum()) + person.energy(joint.offset_mm)
+    return float(pictures.sum() + np.sum(joint.precision * person.values() ** 2))
 
 
 def joint_step(
@@ -89,11 +101,9 @@ def joint_step(
     residuals = (linear.residuals_px * root[..., None]).reshape(len(picks), -1)
     cross = np.swapaxes(local, 1, 2) @ shared
     flat = shared.reshape(-1, shared.shape[-1])
-    precision = _precision(person, joint.offset_mm)
-    values = np.concatenate([person.identity, person.offsets_mm.ravel()])
-    shared_hessian = flat.T @ flat + np.diag(precision)
-    shared_hessian[np.diag_indices(len(values))] *= 1 + damping
-    shared_gradient = flat.T @ residuals.ravel() + precision * values
+    shared_hessian = flat.T @ flat + np.diag(joint.precision)
+    shared_hessian[np.diag_indices(len(joint.precision))] *= 1 + damping
+    shared_gradient = flat.T @ residuals.ravel() + joint.precision * person.values()
 
     lower, upper = step_bounds(state.expressions)
     locked = _locked(gradients, lower, upper)
@@ -114,11 +124,7 @@ def _shared_jacobian(space: FitSpace, state: State, picks: I32, lift: FloatArray
     return out
 
 
-def _precision(person: Person, offset_mm: float) -> FloatArray:
-    return np.concatenate([np.ones(len(person.identity)), np.full(N_OFFSETS, offset_mm**-2.0)])
-
-
-def _locked(gradients: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
+def _locked(gradients: FloatArray, lower: FloatArray, upper: FloatArray) -> BoolArray:
     """Return which local variables (N, 6 + B) rest at a bound that they push against."""
     slope = gradients[:, N_POSE:]
     held = ((lower >= 0) & (slope > 0)) | ((upper <= 0) & (slope < 0))
@@ -126,7 +132,7 @@ def _locked(gradients: FloatArray, lower: FloatArray, upper: FloatArray) -> Floa
 
 
 def _reduced_step(
-    hessians: FloatArray, gradients: FloatArray, cross: FloatArray, locked: FloatArray,
+    hessians: FloatArray, gradients: FloatArray, cross: FloatArray, locked: BoolArray,
     shared_hessian: FloatArray, shared_gradient: FloatArray,
 ) -> FloatArray:  # fmt: skip
     """Return the step (I + 180,) of the person when every picture follows as it likes."""
@@ -139,4 +145,4 @@ def _reduced_step(
     coupled = right[..., 1:].reshape(-1, cross.shape[2])
     eliminated = coupled.T @ solved.reshape(len(coupled), -1)
     reduced = shared_hessian - eliminated[:, 1:]
-    return np.linalg.solve(reduced, eliminated[:, 0] - shared_gradient)
+    return np.asarray(np.linalg.solve(reduced, eliminated[:, 0] - shared_gradient))

@@ -19,7 +19,7 @@ from core.fit_problem import (
 )
 from core.fit_space import Face, FitSpace, fit_space
 from core.geometry import quaternion_from_matrix
-from core.joint_step import JointProblem, Person, joint_energy, joint_step
+from core.joint_step import JointProblem, Person, joint_energy, joint_step, person_precision
 from core.landmarks import N_INTERNAL
 from core.picture_fit import Problem, StepSettings, fit_pictures
 from core.records import I32, Camera, FloatArray, Landmarks2D, ModelFit, Progress
@@ -27,6 +27,8 @@ from core.records import I32, Camera, FloatArray, Landmarks2D, ModelFit, Progres
 #: A picture needs this many trusted internal landmarks for its pose to be found.
 LEAST_LANDMARKS = 12
 TRUSTED = 0.3
+#: Levenberg-Marquardt on person and pictures: start, factor after a good and after a bad step.
+_DAMPING, _LESS, _MORE = 0.03, 0.3, 4.0
 
 
 class FewLandmarksError(CoreError):
@@ -48,6 +50,8 @@ class FitSettings:
         noise_mm: Landmark noise on the face; it weighs the landmarks against the priors.
         contour_weight: Weight of a contour landmark, which is less certain than an internal one.
         deviation: Error of the shapes themselves, as a share of how far they move a point.
+        identity_weight: Cost of a squared identity weight. More than the population's 1: landmark
+            errors of one person agree from picture to picture, but are counted as independent.
         offset_mm: Usual distance of a landmark from where the model has it.
         prior: What is known of the expressions.
         rounds: Updates of the contour vertices [Cao13: three].
@@ -56,14 +60,15 @@ class FitSettings:
         pictures: How poses and expressions are iterated.
     """
 
-    noise_mm: float = 1.5
-    contour_weight: float = 0.15
-    deviation: float = 0.2
+    noise_mm: float = 1.2
+    contour_weight: float = 0.2
+    deviation: float = 0.1
+    identity_weight: float = 4.0
     offset_mm: float = 1.0
     prior: PriorSettings = field(default_factory=PriorSettings)
     rounds: int = 3
-    steps: int = 8
-    tolerance: float = 2e-4
+    steps: int = 10
+    tolerance: float = 5e-4
     pictures: StepSettings = field(default_factory=StepSettings)
 
 
@@ -165,17 +170,19 @@ def refine(
 
 def joint_rounds(problem: Problem, space: FitSpace, start: Fit, settings: FitSettings) -> Fit:
     """Return the fit after joint steps with the contour vertices held."""
-    joint = JointProblem(problem, *space.narrowed(start.picks), settings.offset_mm)
-    person, state, damping = start.person, start.state, 1e-3
+    n_identity = len(start.person.identity)
+    precision = person_precision(n_identity, settings.identity_weight, settings.offset_mm)
+    joint = JointProblem(problem, *space.narrowed(start.picks), precision)
+    person, state, damping = start.person, start.state, _DAMPING
     energy = joint_energy(joint, person, state)
     for _ in range(settings.steps):
         tried = joint_step(joint, person, state, damping)
         tried_energy = joint_energy(joint, *tried)
         if tried_energy >= energy:
-            damping *= 10
+            damping *= _MORE
             continue
         gain, energy = energy - tried_energy, tried_energy
-        (person, state), damping = tried, max(damping * 0.2, 1e-6)
+        (person, state), damping = tried, max(damping * _LESS, 1e-6)
         if gain < settings.tolerance * energy:
             break
     return Fit(person, state, start.picks, energy)

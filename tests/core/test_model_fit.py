@@ -9,7 +9,14 @@ from core.arkit import EXPRESSION_NAMES
 from core.fit_priors import PriorSettings, expression_prior
 from core.fit_problem import State, linearise, residuals_px, robust_weights
 from core.geometry import matrix_from_rotation_vector, rotation_vector_from_matrix
-from core.joint_step import JointProblem, Person, _shared_jacobian, joint_energy, joint_step
+from core.joint_step import (
+    JointProblem,
+    Person,
+    _shared_jacobian,
+    joint_energy,
+    joint_step,
+    person_precision,
+)
 from core.model_fit import FewLandmarksError, FitSettings, check_landmarks, refine, set_up
 from core.picture_fit import fit_pictures
 from tests.core.synthetic_fit import (
@@ -146,7 +153,7 @@ def test_neutral_pictures_get_no_expression():
     noisy = seen + 0.5 * rng.normal(size=seen.shape)
     data.landmarks = [landmarks_of(one) for one in noisy]
     found = fit_of(data).state.expressions
-    assert found.mean() < 0.01 and found.max() < 0.2
+    assert found.mean() < 0.01 and found.max() < 0.25
 
 
 def test_what_has_no_confidence_has_no_say():
@@ -200,7 +207,7 @@ def test_a_prompt_decides_what_the_landmarks_leave_open():
 def test_a_joint_step_near_the_optimum_is_a_newton_step():
     data = pictures(n_pictures=24)
     problem = problem_of(data, TRUSTING)
-    joint = JointProblem(problem, SPACE, data.picks, 1e-3)
+    joint = JointProblem(problem, SPACE, data.picks, person_precision(8, 1.0, 1e-3))
     rng = np.random.default_rng(7)
     person = Person(data.identity + 0.05 * rng.normal(size=8), np.zeros((60, 3)))
     before = joint_energy(joint, person, data.state)
