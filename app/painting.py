@@ -14,6 +14,7 @@ from app.render.renderer import Renderer
 from app.resources import asset
 from core.arkit import EXPRESSION_NAMES
 from core.face_model import FaceModel
+from core.geometry import multiply_quaternions
 from core.landmarks import N_LANDMARKS
 from core.records import U8, Camera, FaceState, FloatArray, UserBlendshapes
 
@@ -50,30 +51,40 @@ def resting() -> FaceState:
 
 
 class PortraitView:
-    """Head and shoulders, centred where the head first was."""
+    """Head and shoulders, centred where the head first was, upright as the user usually is.
 
-    def __init__(self, size_px: tuple[int, int]) -> None:
-        """Prepare pictures of a size (width, height)."""
+    Webcams look at people from above or below; a user who looks at the screen shall see an avatar
+    that looks straight ahead.
+    """
+
+    def __init__(self, size_px: tuple[int, int], user: UserBlendshapes | None = None) -> None:
+        """Prepare pictures of a size (width, height); the user's usual rotation is taken off."""
         self._size_px = size_px
+        rest = np.array([1.0, 0, 0, 0]) if user is None else user.rest_wxyz
+        self._from_rest = rest * [1, -1, -1, -1]
         self._rest_mm: FloatArray | None = None
 
     def framing(self, avatar: Avatar, state: FaceState) -> Framing:
         """Return where camera, head and body are."""
         if self._rest_mm is None and not state.lost:
             self._rest_mm = state.translation_mm
-        place = (state.rotation_wxyz, state.translation_mm)
-        return portrait(avatar, self._size_px, *place, self._rest_mm)
+        rotation = multiply_quaternions(state.rotation_wxyz, self._from_rest)
+        return portrait(avatar, self._size_px, rotation, state.translation_mm, self._rest_mm)
 
 
 class AvatarPainter:
     """Draws one avatar; to be made, used and released in one thread."""
 
-    def __init__(self, avatar: Avatar, camera: Camera, as_portrait: bool = True) -> None:
+    def __init__(
+        self, avatar: Avatar, camera: Camera, user: UserBlendshapes | None = None,
+        as_portrait: bool = True,
+    ) -> None:  # fmt: skip
         """Open a context and upload the avatar.
 
         Args:
             avatar: To draw.
             camera: Of the source; the picture has its size.
+            user: Who is tracked.
             as_portrait: Head and shoulders fill the picture; otherwise the avatar is drawn
                 exactly where the head is in the source's picture.
 
@@ -83,7 +94,7 @@ class AvatarPainter:
         self._renderer = Renderer()
         self._drawer = Drawer(self._renderer)
         self._avatar, self._camera = avatar, camera
-        self._portrait = PortraitView(camera.size_px) if as_portrait else None
+        self._portrait = PortraitView(camera.size_px, user) if as_portrait else None
 
     def paint(self, state: FaceState) -> U8:
         """Return the avatar's picture (H, W, 4)."""
@@ -151,7 +162,7 @@ class LivePainter:
         before = self._cast
         if before is None or (before.avatar, before.user) != (cast.avatar, cast.user):
             self._avatar = avatar_from(self._gallery, cast.avatar, cast.user)
-        self._view, self._cast = PortraitView(self._size_px), cast
+        self._view, self._cast = PortraitView(self._size_px, cast.user), cast
 
     @cached_property
     def _gallery(self) -> Gallery:

@@ -3,6 +3,13 @@
 import numpy as np
 
 from core.face_model import FaceModel, deltas_mm, neutral_mm
+from core.geometry import (
+    head_angles_from_matrix,
+    matrix_from_head_angles,
+    matrix_from_quaternion,
+    quaternion_from_matrix,
+    rotation_facing_camera,
+)
 from core.records import I32, FloatArray, ModelFit, UserBlendshapes
 
 #: Reach of a landmark's offset over the face; wide, so that lids and lips move together.
@@ -23,7 +30,20 @@ def user_blendshapes(model: FaceModel, fit: ModelFit) -> UserBlendshapes:
     neutral = neutral_mm(model, fit.identity)
     smooth = spread_offsets(neutral, model.landmark_vertices, fit.offsets_mm)
     left = fit.offsets_mm - smooth[model.landmark_vertices]
-    return UserBlendshapes(fit.identity, neutral + smooth, deltas_mm(model, fit.identity), left)
+    return UserBlendshapes(
+        fit.identity, neutral + smooth, deltas_mm(model, fit.identity), left, usual_rotation(fit)
+    )
+
+
+def usual_rotation(fit: ModelFit) -> FloatArray:
+    """Return the median rotation (4,) of the heads, against heads that face the camera."""
+    rotations = matrix_from_quaternion(fit.rotations_wxyz)
+    facing = [rotation_facing_camera(place) for place in fit.translations_mm]
+    angles = [
+        head_angles_from_matrix(straight.T @ turned)
+        for straight, turned in zip(facing, rotations, strict=True)
+    ]
+    return quaternion_from_matrix(matrix_from_head_angles(*np.median(angles, axis=0)))
 
 
 def spread_offsets(

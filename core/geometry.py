@@ -86,6 +86,18 @@ def head_angles_from_matrix(matrix: FloatArray) -> FloatArray:
     return np.array([np.arctan2(-m[0, 2], m[2, 2]), pitch, np.arctan2(m[1, 0], m[1, 1])])
 
 
+def rotation_facing_camera(translation_mm: FloatArray) -> FloatArray:
+    """Return the rotation (3, 3) of a head at (3,) in the camera frame that faces the camera."""
+    x, y, z = np.asarray(translation_mm, float)
+    if z < 1e-6:
+        return np.eye(3)
+    yaw, pitch = np.arctan2(x, z), np.arctan2(y, np.hypot(x, z))
+    cy, sy, cp, sp = np.cos(yaw), np.sin(yaw), np.cos(pitch), np.sin(pitch)
+    about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
+    about_x = np.array([[1, 0, 0], [0, cp, sp], [0, -sp, cp]])
+    return np.asarray(about_y @ about_x)
+
+
 def rotation_angle_rad(a_wxyz: FloatArray, b_wxyz: FloatArray) -> FloatArray:
     """Return the angle between rotations given as unit quaternions (..., 4)."""
     dot = np.abs(np.sum(np.asarray(a_wxyz) * np.asarray(b_wxyz), axis=-1))

@@ -188,12 +188,15 @@ class UserBlendshapes:
         neutral_mm: (V, 3).
         deltas_mm: (B, V, 3) difference of each full expression from the neutral face.
         landmark_offsets_mm: (60, 3) the user's internal landmarks from their vertices.
+        rest_wxyz: (4,) the head's usual rotation in the setup pictures, against one that faces
+            the camera: how the user looks at the screen.
     """
 
     identity: FloatArray
     neutral_mm: FloatArray
     deltas_mm: F32
     landmark_offsets_mm: FloatArray = field(default_factory=lambda: np.zeros((60, 3)))
+    rest_wxyz: FloatArray = field(default_factory=lambda: np.array([1.0, 0.0, 0.0, 0.0]))
 
     def __post_init__(self) -> None:
         freeze(
@@ -202,6 +205,7 @@ class UserBlendshapes:
             neutral_mm=(np.float64, ("V", 3)),
             deltas_mm=(np.float32, ("B", "V", 3)),
             landmark_offsets_mm=(np.float64, (60, 3)),
+            rest_wxyz=(np.float64, (4,)),
         )
 
 

@@ -8,7 +8,7 @@ from app.render.avatar import Avatar
 from app.render.puppet import body_below
 from app.render.scene import View, placed
 from core.camera import camera_for
-from core.geometry import matrix_from_quaternion
+from core.geometry import matrix_from_quaternion, rotation_facing_camera
 from core.records import Camera, FloatArray
 
 #: Distance of the portrait's camera and the height of what it sees at the head.
@@ -53,7 +53,7 @@ def portrait(
         translation_mm: (3,) in the source's camera.
         rest_mm: (3,) the translation at which the portrait is centred; None keeps it centred.
     """
-    turn = _towards(translation_mm).T @ matrix_from_quaternion(rotation_wxyz)
+    turn = rotation_facing_camera(translation_mm).T @ matrix_from_quaternion(rotation_wxyz)
     away = np.zeros(3) if rest_mm is None else np.asarray(translation_mm) - rest_mm
     away = _MOVES * away
     away *= min(1.0, _FURTHEST_MM / max(float(np.linalg.norm(away)), 1e-9))
@@ -78,16 +78,6 @@ def overlay(
         translation_mm: (3,) model to camera.
     """
     head = placed(matrix_from_quaternion(rotation_wxyz), np.asarray(translation_mm, float))
-    return Framing(View(camera), head, body_below(avatar, head, _towards(translation_mm)))
-
-
-def _towards(translation_mm: FloatArray) -> FloatArray:
-    """Return the rotation (3, 3) of a head there that looks straight into the camera."""
-    x, y, z = np.asarray(translation_mm, float)
-    if z < 1e-6:
-        return np.eye(3)
-    yaw, pitch = np.arctan2(x, z), np.arctan2(y, np.hypot(x, z))
-    cy, sy, cp, sp = np.cos(yaw), np.sin(yaw), np.cos(pitch), np.sin(pitch)
-    about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
-    about_x = np.array([[1, 0, 0], [0, cp, sp], [0, -sp, cp]])
-    return np.asarray(about_y @ about_x)
+    return Framing(
+        View(camera), head, body_below(avatar, head, rotation_facing_camera(translation_mm))
+    )

@@ -156,7 +156,7 @@ def perform(
         outputs = opened.enter_context(Outputs())
         tracker = live_tracker(models, profile)
         avatar = make_avatar(OWN, models.face_model, profile.user)
-        painter = AvatarPainter(avatar, seen_by(profile.camera, source.size_px))
+        painter = AvatarPainter(avatar, seen_by(profile.camera, source.size_px), profile.user)
         opened.callback(painter.release)
         expected = min(options.frames or source.n_frames, source.n_frames)
         highlights = Highlights(options.out / FRAMES, source.size_px, painter.paint, expected)

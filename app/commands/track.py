@@ -107,7 +107,7 @@ def run(args: argparse.Namespace) -> int:
             outputs.add(_file_sink(path, lambda: tracker.camera))
         if args.video:
             avatar = make_avatar(args.avatar, models.face_model, profile.user)
-            painter = AvatarPainter(avatar, seen_by(profile.camera, source.size_px))
+            painter = AvatarPainter(avatar, seen_by(profile.camera, source.size_px), profile.user)
             opened.callback(painter.release)
             video = SideBySideVideo(args.video, source.fps, source.size_px, painter.paint)
             outputs.add(video)
