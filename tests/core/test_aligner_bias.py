@@ -98,8 +98,5 @@ def test_landmarks_of_people_it_was_not_measured_on_are_nearer_the_truth_with_it
             if found[0] is not None:
                 missed_px.append(errors_px(found, performer.landmarks_px(index)))
     without, with_it = np.mean(missed_px, axis=0)
-    print(
-        f"{person}: {without:.2f} px without, {with_it:.2f} px with it, {len(missed_px)} pictures"
-    )
     assert len(missed_px) >= 8
     assert with_it < 0.8 * without
