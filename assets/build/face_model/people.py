@@ -22,6 +22,8 @@ HELD_OUT = (
     "mouth-cupidsbow-width", "eye-bag-height", "eye-eyefold-concave", "eye-eyefold-convex",
     "head-diamond", "forehead-nubian", "cheek-inner", "ear-flap",
 )  # fmt: skip
+#: Knobs that add up to cone-shaped skulls, and the share of their folder's deviation they get.
+TAMED, TAMED_SHARE = ("head-scale-vert", "forehead-scale-vert", "forehead-temple"), 0.4
 #: Middle of some knobs: the source's average nose and chin are smaller and its eyes higher than
 #: those of the mean face that face trackers use.
 CENTER = {
@@ -138,7 +140,8 @@ def random_locals(wheel: Wheel, rng: np.random.Generator, held_out: bool) -> dic
     """Return random weights of local targets and of slight asymmetries."""
     out: dict[str, float] = {}
     for knob in local_knobs(wheel):
-        value = CENTER.get(knob.name, 0.0) + rng.normal(0, SIGMA[knob.folder])
+        sigma = SIGMA[knob.folder] * (TAMED_SHARE if knob.name.startswith(TAMED) else 1.0)
+        value = CENTER.get(knob.name, 0.0) + rng.normal(0, sigma)
         if held_out or not knob.held_out:
             out |= knob.at(float(np.clip(value, -0.6, 0.6)))
     for name in wheel.target_names("asym"):
