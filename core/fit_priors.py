@@ -15,8 +15,8 @@ from core.setup_plan import coefficients
 #: How far coefficients usually go; all that are not named go to USUAL_SPREAD.
 SPREADS: dict[str, float] = {
     "jawOpen": 1.0, "eyeBlink": 1.0, "mouthSmile": 0.7, "browInnerUp": 0.6, "browOuterUp": 0.6,
-    "browDown": 0.5, "mouthPucker": 0.6, "mouthFunnel": 0.5, "mouthClose": 0.3,
-    "mouthUpperUp": 0.5, "mouthLowerDown": 0.5, "jawLeft": 0.5, "jawRight": 0.5,
+    "browDown": 0.5, "mouthPucker": 0.5, "mouthFunnel": 0.4, "mouthClose": 0.3,
+    "mouthUpperUp": 0.4, "mouthLowerDown": 0.35, "jawLeft": 0.5, "jawRight": 0.5,
     "eyeSquint": 0.3, "cheekSquint": 0.2, "cheekSuck": 0.15, "cheekPuff": 0.3,
     "jawForward": 0.2, "noseSneer": 0.35, "mouthDimple": 0.25, "mouthShrugUpper": 0.25,
     "mouthShrugLower": 0.35, "mouthRollUpper": 0.35, "mouthRollLower": 0.35,
@@ -30,7 +30,7 @@ class PriorSettings:
 
     Attributes:
         spread_scale: Multiplies the usual spreads.
-        slope: Cost of using a shape that is not asked for.
+        slope: Cost of using a shape of the usual spread that is not asked for.
         standard_spread: How far people are from a* when they follow a prompt.
         others_share: Share of the usual spread for shapes that a prompt does not ask for.
         neutral_share: The same where the prompt is a neutral face. Small: that the face is rigid
@@ -85,4 +85,5 @@ def expression_prior(standard: FloatArray, settings: PriorSettings) -> Expressio
     share = np.where(known, share, 1.0)
     usual = settings.spread_scale * share * expression_spreads()
     spread = np.where(asked, settings.standard_spread, usual)
-    return ExpressionPrior(mean, spread**-2.0, np.where(asked, 0.0, settings.slope / share))
+    slope = settings.slope * USUAL_SPREAD / (share * expression_spreads())
+    return ExpressionPrior(mean, spread**-2.0, np.where(asked, 0.0, slope))
