@@ -53,7 +53,7 @@ def _largest_eigenvector(
     for _ in range(12):
         for i in range(3):
             for j in range(i + 1, 4):
-                if abs(matrix[i, j]) < 1e-300:
+                if abs(matrix[i, j]) < 1e-100:
                     continue
                 theta = (matrix[j, j] - matrix[i, i]) / (2 * matrix[i, j])
                 sign = 1.0 if theta >= 0 else -1.0

@@ -77,6 +77,7 @@ def test_beyond_the_border_the_border_goes_on(world):
     assert np.allclose(read[:, 1], 200, atol=0.1)
 
 
+@pytest.mark.nojit
 @pytest.mark.parametrize(("n_ferns", "n_tests", "n_runs"), [(1, 1, 1), (3, 5, 16), (40, 5, 15)])
 def test_ferns_agree_with_naive(n_ferns, n_tests, n_runs):
     rng = np.random.default_rng(n_ferns)
@@ -91,6 +92,7 @@ def test_ferns_agree_with_naive(n_ferns, n_tests, n_runs):
         assert np.array_equal(out[run], plain)
 
 
+@pytest.mark.nojit
 def test_difference_equal_to_threshold_goes_to_the_upper_leaf():
     leaves = np.array([[[-1], [1]]], np.int8)
     out = np.zeros((1, 1), np.int32)
@@ -100,6 +102,7 @@ def test_difference_equal_to_threshold_goes_to_the_upper_leaf():
     assert out[0, 0] == 1
 
 
+@pytest.mark.nojit
 def test_rotation_agrees_with_registration_by_svd(rng):
     source = rng.normal(size=(N_POINTS, 3))
     source -= source.mean(axis=0)
@@ -130,6 +133,7 @@ def test_distances_are_measured_after_turning(world):
     assert np.allclose(plain, ((shapes - shapes[3]) ** 2).sum(axis=(1, 2)))
 
 
+@pytest.mark.nojit
 def test_starts_are_the_nearest_of_the_shape_space(rng):
     distances, steps = rng.uniform(0, 100, 20), rng.uniform(0, 50, 9)
     chosen, best = np.zeros((15, 2), np.int32), np.empty(15)
@@ -139,6 +143,7 @@ def test_starts_are_the_nearest_of_the_shape_space(rng):
     assert np.allclose(distances[chosen[:, 0]] + steps[chosen[:, 1]], every)
 
 
+@pytest.mark.nojit
 def test_more_runs_than_shapes_start_again_from_the_first():
     chosen = np.zeros((4, 2), np.int32)
     choose_starts(np.array([3.0, 1.0]), np.zeros(1), chosen, np.empty(4))
@@ -146,6 +151,7 @@ def test_more_runs_than_shapes_start_again_from_the_first():
     assert np.all(chosen < 2)
 
 
+@pytest.mark.nojit
 @pytest.mark.parametrize("n_runs", [1, 4, 15])
 def test_runs_combine_to_mean_or_median(rng, n_runs):
     shapes = rng.normal(size=(5, 3, 16)).astype(np.float32)

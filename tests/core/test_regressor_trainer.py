@@ -44,6 +44,7 @@ def same(one, other):
     return all(np.array_equal(a, b) for a, b in pairs)
 
 
+@pytest.mark.nojit
 def test_pair_search_agrees_with_correlating_every_difference(rng):
     intensities = rng.normal(size=(12, 300)).astype(np.float32)
     intensities[7] = intensities[3]  # a difference that is constant must not win
@@ -61,6 +62,7 @@ def test_pair_search_agrees_with_correlating_every_difference(rng):
         assert tuple(pair) == plain
 
 
+@pytest.mark.nojit
 def test_leaves_are_found_as_the_live_ferns_find_them(rng):
     intensities = rng.uniform(0, 255, (10, 200)).astype(np.float32)
     pairs = rng.integers(0, 10, (5, 2)).astype(np.int32)
@@ -75,6 +77,7 @@ def test_leaves_are_found_as_the_live_ferns_find_them(rng):
     assert leaf.tolist() == plain
 
 
+@pytest.mark.nojit
 @pytest.mark.parametrize("shrinkage", [0.0, 250.0])
 def test_leaves_are_shrunk_means_and_come_off_the_residuals(rng, shrinkage):
     residuals_before = rng.normal(size=(150, 6)).astype(np.float32)
@@ -87,6 +90,7 @@ def test_leaves_are_shrunk_means_and_come_off_the_residuals(rng, shrinkage):
     assert np.all(leaves[7] == 0)
 
 
+@pytest.mark.nojit
 def test_shuffling_the_samples_leaves_the_leaf_means(rng):
     before = rng.normal(size=(150, 6)).astype(np.float32)
     leaf = rng.integers(0, 8, 150).astype(np.int32)
@@ -174,6 +178,7 @@ def test_the_mean_shape_does_not_shrink_when_heads_turn(rng):
     assert np.allclose(mean, shape - shape.mean(axis=0), atol=1e-6)
 
 
+@pytest.mark.nojit
 def test_contrast_normalisation_takes_gain_and_gradient_out(tiny_set):
     """The exposure of a sample changes its grey levels much, its normalised appearance little."""
     shape = mean_shape(tiny_set.shapes_mm)
@@ -195,6 +200,7 @@ def test_contrast_normalisation_takes_gain_and_gradient_out(tiny_set):
     assert change(6.0) < 0.25
 
 
+@pytest.mark.nojit
 def test_an_occluder_and_a_lamp_change_what_is_sampled(tiny_set):
     shape = mean_shape(tiny_set.shapes_mm)
     points = draw_points(shape, tiny_set.triangles, np.random.default_rng(3), PointSettings())
@@ -217,6 +223,7 @@ def test_an_occluder_and_a_lamp_change_what_is_sampled(tiny_set):
     assert frontal.mean() > 0.7 * plain.mean()
 
 
+@pytest.mark.nojit
 def test_the_check_measures_the_distance_from_the_linear_model(rng):
     basis = np.linalg.qr(rng.normal(size=(20, 3)))[0].T.astype(np.float32)
     mean = rng.normal(size=20).astype(np.float32)
@@ -227,6 +234,7 @@ def test_the_check_measures_the_distance_from_the_linear_model(rng):
     assert np.allclose(residuals(away, mean, basis), 2 / np.sqrt(20), atol=1e-3)
 
 
+@pytest.mark.nojit
 def test_uncovered_samples_are_lit_but_not_hidden(tiny_set):
     first = uncovered(tiny_set, 50)
     assert np.array_equal(first.image, tiny_set.image[:50])
