@@ -108,7 +108,7 @@ def test_without_a_profile_the_picture_is_shown_beside_an_invitation(live, qtbot
     qtbot.waitUntil(plays(window, CAMERA))
     assert window.avatar_pane.notice.text == INVITATION
     assert [one.text() for one in window.avatar_pane.notice.buttons] == [NEW_PROFILE.text]
-    qtbot.waitUntil(lambda: window.status.state.startswith("No profile"))
+    qtbot.waitUntil(lambda: window.status.state.startswith("Not tracking"))
     qtbot.waitUntil(lambda: window.status.field("rate").endswith("fps"))
     assert not window.avatar_pane.has_picture and window.status.field("solve") == ""
 
@@ -135,7 +135,7 @@ def test_a_lost_face_is_said_over_the_picture(live, qtbot):
     toolbox.lost = True
     qtbot.waitUntil(lambda: window.source_pane.picture.badge.startswith("Searching"))
     qtbot.waitUntil(lambda: window.status.state == "Searching for the face")
-    assert window.avatar_pane.has_picture
+    assert window.avatar_pane.has_picture and window.status.field("confidence") == ""
 
 
 def test_lasting_doubt_is_told(live, qtbot):
@@ -307,6 +307,7 @@ def test_a_new_profile_is_made_beside_the_live_picture_and_then_used(live, qtbot
     dialog.accept()
     qtbot.waitUntil(lambda: window.job_row.text.startswith("Training the regressor"))
     assert not window.new_profile_button.isEnabled() and toolbox.made_from == [str(tmp_path)]
+    assert not window.avatar_pane.notice.buttons
     assert plays(window, CAMERA)()
     toolbox.making_gate.set()
     qtbot.waitUntil(lambda: window.avatar_pane.has_picture)
@@ -325,6 +326,7 @@ def test_making_a_profile_can_be_cancelled(live, qtbot):
     qtbot.waitUntil(lambda: window.job_row.text == "")
     assert toolbox.profile_names == [] and window.message_bar.text == ""
     assert window.new_profile_button.isEnabled()
+    assert window.avatar_pane.notice.text == INVITATION
 
 
 def test_a_video_that_gives_no_profile_is_told_with_what_to_do(live, qtbot):
