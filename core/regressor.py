@@ -120,9 +120,9 @@ class Regression:
             previous_points_mm: (Q, 3) shape in the frame before, camera frame.
 
         Raises:
-            ValueError: The picture has another size, or the shape is not finite.
+            ValueError: The picture has another size or type, or the shape is not finite.
         """
-        previous = self._checked(gray, previous_points_mm)
+        gray, previous = self._checked(gray, previous_points_mm)
         spread = self._pass(gray, previous)
         moved = np.sqrt(np.mean(np.sum((self._result - previous) ** 2, axis=1)))
         if moved > self._settings.again_mm:
@@ -137,9 +137,9 @@ class Regression:
             starts_mm: (L or fewer, Q, 3) camera frame.
 
         Raises:
-            ValueError: The picture has another size, or a shape is not finite.
+            ValueError: The picture has another size or type, or a shape is not finite.
         """
-        starts = self._checked(gray, starts_mm)
+        gray, starts = self._checked(gray, starts_mm)
         n_starts, lanes = len(starts), self._reader.shapes.shape[2]
         if n_starts > self._settings.n_runs:
             raise ValueError(f"{n_starts} starts, but room for {self._settings.n_runs}")
@@ -150,13 +150,15 @@ class Regression:
         spread = self._regress(gray, n_starts)
         return Shape3D(self._result, spread, self._residual(gray))
 
-    def _checked(self, gray: U8, points_mm: FloatArray) -> FloatArray:
-        if gray.shape != self._frame_shape:
-            raise ValueError(f"picture of shape {gray.shape}, expected {self._frame_shape}")
+    def _checked(self, gray: U8, points_mm: FloatArray) -> tuple[U8, FloatArray]:
+        """Return both in the one layout for which the kernels are compiled."""
+        if gray.shape != self._frame_shape or gray.dtype != np.uint8:
+            found = f"picture of shape {gray.shape}, {gray.dtype}"
+            raise ValueError(f"{found}, expected {self._frame_shape}, uint8")
         points = np.ascontiguousarray(points_mm, dtype=np.float64)
         if not np.isfinite(points).all():
             raise ValueError("the previous shape has a number that is not finite")
-        return points
+        return np.ascontiguousarray(gray), points
 
     def _pass(self, gray: U8, previous: FloatArray) -> float:
         """Put the shape found from the previous one into `_result`; return the spread."""

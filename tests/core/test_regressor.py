@@ -317,7 +317,7 @@ def test_refuses_a_missing_leaf(world):
 def test_says_what_is_wrong_with_a_frame_or_a_start(world, unseen):
     regression = Regression(world.regressor, world.face.camera)
     shape, picture = unseen[0]
-    with pytest.raises(ValueError, match=r"\(90, 120\), expected \(180, 240\)"):
+    with pytest.raises(ValueError, match=r"\(90, 120\), uint8, expected \(180, 240\), uint8"):
         regression.run(picture[::2, ::2], shape)
     with pytest.raises(ValueError, match="not finite"):
         regression.run(picture, np.full_like(shape, np.nan))
