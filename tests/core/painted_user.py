@@ -11,6 +11,7 @@ from core.blendshapes import user_blendshapes
 from core.camera import project
 from core.face_model import FaceModel, load_face_model
 from core.face_regions import Region
+from core.geometry import matrix_from_head_angles, quaternion_from_matrix
 from core.landmarks import N_INTERNAL, N_LANDMARKS
 from core.live import User, tracker_model
 from core.records import Frame, Landmarks2D, ModelFit, UserBlendshapes
@@ -69,6 +70,17 @@ class PaintedUser:
         )  # fmt: skip
 
 
+def fit_of(identity, offsets_mm=None, angles=((0.0, 0.0, 0.0),)):
+    """The fit of a person in pictures with the head turned by some angles, straight ahead."""
+    rotations = [quaternion_from_matrix(matrix_from_head_angles(*one)) for one in angles]
+    n = len(angles)
+    return ModelFit(
+        identity, np.zeros((n, 46)), rotations, np.tile([0, 0, 600.0], (n, 1)),
+        np.zeros((n, N_LANDMARKS), np.int32), np.zeros(n),
+        np.zeros((N_INTERNAL, 3)) if offsets_mm is None else offsets_mm,
+    )  # fmt: skip
+
+
 @cache
 def painted_user(identity_seed=None):
     """The mean person, or a random one, in pictures of 240 x 180 px."""
@@ -76,11 +88,7 @@ def painted_user(identity_seed=None):
     identity = np.zeros(model.n_identities)
     if identity_seed is not None:
         identity = 0.7 * np.random.default_rng(identity_seed).normal(size=identity.shape)
-    nowhere = np.zeros((0, N_LANDMARKS), np.int32)
-    fit = ModelFit(
-        identity, np.zeros((0, 46)), np.zeros((0, 4)), np.zeros((0, 3)), nowhere, np.zeros(0)
-    )
-    blendshapes = user_blendshapes(model, fit)
+    blendshapes = user_blendshapes(model, fit_of(identity))
     points = tracker_model(model, blendshapes)
     frontal = shape_of(points, expression(), head_pose(0, 0, 0, (0, 0, 600)))[:, :2]
     middle = (frontal.min(axis=0) + frontal.max(axis=0)) / 2

@@ -1,14 +1,21 @@
 """Facts about a user's own blendshapes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from core.arkit import EXPRESSION_NAMES
-from core.blendshapes import REACH_MM, spread_offsets, user_blendshapes
+from core.blendshapes import REACH_MM, spread_offsets, user_blendshapes, usual_rotation
 from core.face_model import deltas_mm, load_face_model, neutral_mm
 from core.fit_space import face_at, fit_space
-from core.landmarks import N_INTERNAL, N_LANDMARKS
-from core.records import ModelFit
+from core.geometry import (
+    matrix_from_head_angles,
+    matrix_from_quaternion,
+    quaternion_from_matrix,
+    rotation_facing_camera,
+)
+from core.landmarks import N_INTERNAL
+from tests.core.painted_user import fit_of
 from tests.core.tracked_faces import ASSETS
 
 
@@ -17,25 +24,23 @@ def model():
     return load_face_model(ASSETS / "face_model.npz")
 
 
-def fit_of(model, seed, offsets_mm):
-    identity = np.random.default_rng(seed).normal(size=model.n_identities)
-    none = np.zeros((0, 4)), np.zeros((0, 3)), np.zeros((0, N_LANDMARKS), np.int32), np.zeros(0)
-    return ModelFit(identity, np.zeros((0, len(EXPRESSION_NAMES))), *none, offsets_mm)
+def fitted(model, seed, offsets_mm):
+    return fit_of(np.random.default_rng(seed).normal(size=model.n_identities), offsets_mm)
 
 
 def test_landmarks_are_exactly_where_the_fit_has_them(model, rng):
-    fit = fit_of(model, 2, rng.normal(0, 1.5, (N_INTERNAL, 3)))
+    fit = fitted(model, 2, rng.normal(0, 1.5, (N_INTERNAL, 3)))
     user = user_blendshapes(model, fit)
-    fitted = fit_space(model).face(fit.identity, fit.offsets_mm)
+    face = fit_space(model).face(fit.identity, fit.offsets_mm)
     vertices = model.landmark_vertices
     found = user.neutral_mm[vertices] + user.landmark_offsets_mm
-    assert np.allclose(found, fitted.neutral_mm[:N_INTERNAL], atol=1e-9)
+    assert np.allclose(found, face.neutral_mm[:N_INTERNAL], atol=1e-9)
     # What later fits read is the same.
     assert np.allclose(face_at(model, user).neutral_mm[:N_INTERNAL], found, atol=1e-12)
 
 
 def test_without_offsets_the_face_is_the_models(model):
-    fit = fit_of(model, 3, np.zeros((N_INTERNAL, 3)))
+    fit = fitted(model, 3, np.zeros((N_INTERNAL, 3)))
     user = user_blendshapes(model, fit)
     assert np.allclose(user.neutral_mm, neutral_mm(model, fit.identity), atol=1e-12)
     assert np.array_equal(user.deltas_mm, deltas_mm(model, fit.identity).astype(np.float32))
@@ -45,8 +50,8 @@ def test_without_offsets_the_face_is_the_models(model):
 
 def test_offsets_move_the_neutral_face_only(model, rng):
     offsets = rng.normal(0, 1.0, (N_INTERNAL, 3))
-    plain = user_blendshapes(model, fit_of(model, 4, np.zeros((N_INTERNAL, 3))))
-    moved = user_blendshapes(model, fit_of(model, 4, offsets))
+    plain = user_blendshapes(model, fitted(model, 4, np.zeros((N_INTERNAL, 3))))
+    moved = user_blendshapes(model, fitted(model, 4, offsets))
     assert np.array_equal(plain.deltas_mm, moved.deltas_mm)
     assert np.abs(plain.neutral_mm - moved.neutral_mm).max() > 0.1
 
@@ -81,3 +86,21 @@ def test_the_displacement_is_the_textbook_gaussian_process():
     smooth = spread_offsets(points, np.array([0]), np.array([[0.0, 2.0, 0.0]]))
     assert smooth[0, 1] == pytest.approx(1.0)
     assert smooth[1, 1] == pytest.approx(np.exp(-0.5))
+
+
+def test_a_few_turned_heads_do_not_change_how_the_head_is_usually_held():
+    usual = (0.05, -0.1, 0.02)
+    fit = fit_of(np.zeros(3), angles=[usual] * 5 + [(0.8, 0.1, 0.0), (0.0, 0.5, 0.3)])
+    found = matrix_from_quaternion(usual_rotation(fit))
+    assert np.allclose(found, matrix_from_head_angles(*usual), atol=0.01)
+
+
+def test_how_the_head_is_held_does_not_depend_on_where_it_is():
+    usual, place = matrix_from_head_angles(0.1, -0.05, 0.0), np.array([200.0, -50.0, 500.0])
+    facing = rotation_facing_camera(place)
+    assert np.allclose(facing @ [0, 0, -1], -place / np.linalg.norm(place))
+    fit = replace(
+        fit_of(np.zeros(3)), rotations_wxyz=[quaternion_from_matrix(facing @ usual)],
+        translations_mm=[place],
+    )  # fmt: skip
+    assert np.allclose(matrix_from_quaternion(usual_rotation(fit)), usual)
