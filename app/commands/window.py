@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import signal
 import sys
 
 from app.commands.demo import DemoOptions, play
@@ -40,6 +41,11 @@ def open_window(qt_arguments: list[str]) -> int:
     application.setApplicationName("facepuppet")
     window = LiveWindow()
     controller = LiveController(window, Toolbox())
-    controller.start()
     window.show()
-    return int(application.exec())
+    controller.start()
+    # Qt would not notice Ctrl-C; the window's timer lets Python run its handler soon enough.
+    before = signal.signal(signal.SIGINT, lambda *_: window.close())
+    try:
+        return int(application.exec())
+    finally:
+        signal.signal(signal.SIGINT, before)

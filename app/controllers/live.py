@@ -35,6 +35,7 @@ INVITATION = (
     "To bring an avatar to life, choose a profile above, or make one: "
     "a minute of video of your face is enough."
 )
+MAKING = "The avatar comes to life when the profile is made."
 PREPARING = "Preparing the avatar…"
 WAITING = "The avatar comes with the source's picture."
 UNUSABLE = "This profile cannot be used. Choose another one above, or make a new one."
@@ -126,7 +127,9 @@ class LiveController(QObject):
         self._scene.leave()
 
     def _invite(self) -> None:
-        if not self._wanted.profile:
+        if not self._wanted.profile and self._maker.busy:
+            self._window.avatar_pane.say(MAKING)
+        elif not self._wanted.profile:
             self._window.avatar_pane.say(INVITATION, [NEW_PROFILE])
         elif self._wanted.source:
             self._window.avatar_pane.say(PREPARING)
@@ -232,6 +235,7 @@ class LiveController(QObject):
         self._window.new_profile_button.setEnabled(False)
         self._window.job_row.begin(f"Making the profile {name}")
         self._maker.start(self._tools.profile_steps(name, source))
+        self._renew_invitation()
 
     def _on_profile_made(self, made: MadeProfile) -> None:
         self._want(self._wanted.source, made.name)
@@ -240,3 +244,8 @@ class LiveController(QObject):
     def _on_making_finished(self) -> None:
         self._window.new_profile_button.setEnabled(True)
         self._window.job_row.end()
+        self._renew_invitation()
+
+    def _renew_invitation(self) -> None:
+        if not self._wanted.profile:
+            self._invite()

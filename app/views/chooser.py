@@ -19,7 +19,7 @@ class Chooser(QComboBox):
         self.setAccessibleName(name)
         # Long names of files and cameras must not widen the window.
         self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
-        self.setMinimumContentsLength(16)
+        self.setMinimumContentsLength(12)
         self.setPlaceholderText(f"Choose: {name.lower()}")
         self._choices: tuple[Choice, ...] = ()
         self._current = ""

@@ -11,7 +11,7 @@ GOOD, WAITING, OFF = QColor(46, 160, 67), QColor(219, 140, 0), QColor(128, 128, 
 STATES = {
     "off": ("No source", OFF),
     "opening": ("Opening…", WAITING),
-    "idle": ("No profile: the picture is only shown", OFF),
+    "idle": ("Not tracking: no profile in use", OFF),
     "searching": ("Searching for the face", WAITING),
     "unsure": ("Unsure: other light, or not the person of the profile?", WAITING),
     "tracking": ("Tracking", GOOD),
@@ -98,10 +98,11 @@ class StatusRow(QStatusBar):
         text, color = STATES[numbers.state]
         self._state.setText(text)
         self._lamp.show_color(color)
-        solves = numbers.state in ("searching", "unsure", "tracking")
+        sees = numbers.state in ("unsure", "tracking")
+        solves = sees or numbers.state == "searching"
         plays = solves or numbers.state == "idle"
         texts = {
-            "confidence": (f"confidence {100 * numbers.confidence:.0f} %", solves),
+            "confidence": (f"confidence {100 * numbers.confidence:.0f} %", sees),
             "rate": (f"{numbers.frames_per_second:.0f} fps", plays),
             "solve": (f"solve {numbers.solve_ms:.1f} ms", solves and numbers.solve_ms > 0),
             "latency": (f"latency {numbers.latency_ms:.0f} ms", solves and numbers.latency_ms > 0),
