@@ -11,7 +11,7 @@ import numpy as np
 
 from core.camera import project, project_jacobian
 from core.fit_space import Face
-from core.geometry import matrix_from_rotation_vector
+from core.geometry import matrix_from_quaternion
 from core.landmarks import N_INTERNAL
 from core.posit import pose_from_points
 from core.records import I32, BoolArray, Camera, FloatArray, Landmarks2D
@@ -50,7 +50,7 @@ class State:
 
     def moved(self, steps: FloatArray) -> "State":
         """Return the state after steps (N, 6 + B), coefficients kept in [0, 1]."""
-        turns = np.stack([matrix_from_rotation_vector(step[:3]) for step in steps])
+        turns = turns_of(steps[:, :3])
         return State(
             turns @ self.rotations,
             self.translations_mm + steps[:, 3:N_POSE],
@@ -64,6 +64,15 @@ class State:
             np.where(better[:, None], other.translations_mm, self.translations_mm),
             np.where(better[:, None], other.expressions, self.expressions),
         )
+
+
+def turns_of(vectors_rad: FloatArray) -> FloatArray:
+    """Return the matrices (N, 3, 3) of rotation vectors (N, 3)."""
+    half = 0.5 * np.linalg.norm(vectors_rad, axis=1, keepdims=True)
+    # numpy's sinc is sin(pi x) / (pi x).
+    return matrix_from_quaternion(
+        np.concatenate([np.cos(half), 0.5 * np.sinc(half / np.pi) * vectors_rad], axis=1)
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -18,8 +18,8 @@ class FitSpace:
         strips: (15, W) points of each contour strip from the front to the back, -1 padded.
         replacements: (15,) points that stand in for the contour [Cao13, sec. 3].
         mean_mm: (P, 3).
-        identity_modes_mm: (I, P, 3).
-        delta_modes_mm: (B, I + 1, P, 3) blendshape deltas: constant, then per identity mode.
+        identity_modes_mm: (P, 3, I).
+        delta_modes_mm: (B, P, 3, I + 1) blendshape deltas: constant, then per identity mode.
     """
 
     vertices: I32
@@ -29,6 +29,11 @@ class FitSpace:
     identity_modes_mm: FloatArray
     delta_modes_mm: FloatArray
 
+    @property
+    def n_identities(self) -> int:
+        """Return I, the number of identity weights."""
+        return self.identity_modes_mm.shape[-1]
+
     def face(self, identity: FloatArray, offsets_mm: FloatArray) -> "Face":
         """Return the face with this identity.
 
@@ -36,12 +41,10 @@ class FitSpace:
             identity: (I,).
             offsets_mm: (60, 3) displacement of the internal landmarks from the model.
         """
-        neutral = self.mean_mm + np.tensordot(identity, self.identity_modes_mm, 1)
+        neutral = self.mean_mm + self.identity_modes_mm @ identity
         neutral[:N_INTERNAL] += offsets_mm
-        weights = np.concatenate([[1.0], identity])
-        n_shapes, n_weights, n_points, _ = self.delta_modes_mm.shape
-        deltas = weights @ self.delta_modes_mm.reshape(n_shapes, n_weights, -1)
-        return Face(neutral, deltas.reshape(n_shapes, n_points, 3), self.strips, self.replacements)
+        deltas = self.delta_modes_mm @ np.concatenate([[1.0], identity])
+        return Face(neutral, deltas, self.strips, self.replacements)
 
     def narrowed(self, picks: I32) -> tuple["FitSpace", I32]:
         """Return the space of the picked points only, and the picks counted in it.
@@ -52,17 +55,17 @@ class FitSpace:
         used, renumbered = np.unique(picks, return_inverse=True)
         space = FitSpace(
             self.vertices[used], self.strips, self.replacements, self.mean_mm[used],
-            self.identity_modes_mm[:, used], self.delta_modes_mm[:, :, used],
+            self.identity_modes_mm[used], self.delta_modes_mm[:, used],
         )  # fmt: skip
         return space, renumbered.reshape(picks.shape).astype(np.int32)
 
     def identity_jacobians(self, expressions: FloatArray, picks: I32) -> FloatArray:
         """Return d(picked points)/d(identity), (N, L, 3, I) in mm, at expressions (N, B)."""
-        n_shapes, n_weights, n_points, _ = self.delta_modes_mm.shape
-        bent = expressions @ self.delta_modes_mm[:, 1:].reshape(n_shapes, -1)
-        modes = bent.reshape(len(expressions), n_weights - 1, n_points, 3) + self.identity_modes_mm
-        gathered = modes.transpose(0, 2, 3, 1)[np.arange(len(picks))[:, None], picks]
-        return np.ascontiguousarray(gathered)
+        n_shapes, n_points, _, n_weights = self.delta_modes_mm.shape
+        # The constant term is multiplied, too: leaving it out would copy all the modes.
+        bent = expressions @ self.delta_modes_mm.reshape(n_shapes, -1)
+        modes = bent.reshape(-1, n_points, 3, n_weights)[..., 1:] + self.identity_modes_mm
+        return np.asarray(modes[np.arange(len(picks))[:, None], picks])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,7 +94,9 @@ def fit_space(model: FaceModel) -> FitSpace:
     """Return the model at the points that the fits need."""
     vertices, strips, replacements = fit_vertices(model)
     dense = subset(model, vertices)
-    return FitSpace(vertices, strips, replacements, dense.mean, dense.identity, dense.deltas)
+    identity = np.ascontiguousarray(np.moveaxis(dense.identity, 0, -1))
+    deltas = np.ascontiguousarray(np.moveaxis(dense.deltas, 1, -1))
+    return FitSpace(vertices, strips, replacements, dense.mean, identity, deltas)
 
 
 def fit_vertices(model: FaceModel) -> tuple[I32, I32, I32]:

@@ -6,6 +6,7 @@ complement, as in bundle adjustment. Alternation crawls where an identity weight
 for an expression or a shift in depth; this takes about ten steps from a mean face.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,8 +17,7 @@ from core.fit_space import FitSpace
 from core.landmarks import N_INTERNAL
 from core.picture_fit import Problem, damped, local_equations, picture_energy, step_bounds
 from core.records import I32, BoolArray, FloatArray
-
-N_OFFSETS = 3 * N_INTERNAL
+from core.shared_equations import N_OFFSETS, SharedJacobian
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,38 +90,45 @@ def joint_step(
         state: Poses and coefficients.
         damping: Relative enlargement of the diagonals.
     """
-    problem, space, picks = joint.pictures, joint.space, joint.picks
-    face = space.face(person.identity, person.offsets_mm)
+    problem, picks = joint.pictures, joint.picks
+    face = joint.space.face(person.identity, person.offsets_mm)
     linear = linearise(problem.camera, face, state, picks, problem.observations)
     hessians, gradients, root = local_equations(problem, state, linear)
     hessians = damped(hessians, np.full(len(picks), damping))
-    shared = _shared_jacobian(space, state, picks, linear.lift) * root[..., None, None]
-    shared = shared.reshape(len(picks), -1, shared.shape[-1])
-    local = (linear.local * root[..., None, None]).reshape(len(picks), -1, hessians.shape[1])
-    residuals = (linear.residuals_px * root[..., None]).reshape(len(picks), -1)
-    cross = np.swapaxes(local, 1, 2) @ shared
-    flat = shared.reshape(-1, shared.shape[-1])
-    shared_hessian = flat.T @ flat + np.diag(joint.precision)
+    weights = root[..., None, None]
+    shared = shared_jacobian(joint.space, state, picks, linear.lift, weights)
+    cross = shared.cross(linear.local * weights)
+    shared_hessian = shared.hessian() + np.diag(joint.precision)
     shared_hessian[np.diag_indices(len(joint.precision))] *= 1 + damping
-    shared_gradient = flat.T @ residuals.ravel() + joint.precision * person.values()
+    shared_gradient = shared.gradient(linear.residuals_px * root[..., None])
+    shared_gradient += joint.precision * person.values()
 
     lower, upper = step_bounds(state.expressions)
-    locked = _locked(gradients, lower, upper)
-    step = _reduced_step(hessians, gradients, cross, locked, shared_hessian, shared_gradient)
+    free = ~_locked(gradients, lower, upper)
+    step = _reduced_step(
+        [hessian[np.ix_(some, some)] for hessian, some in zip(hessians, free, strict=True)],
+        [
+            np.column_stack([slope[some], mixed[some]])
+            for slope, mixed, some in zip(gradients, cross, free, strict=True)
+        ],
+        shared_hessian,
+        shared_gradient,
+    )
     follow = gradients + cross @ step
     return person.moved(step), state.moved(minimize_half_bounded(hessians, follow, lower, upper))
 
 
-def _shared_jacobian(space: FitSpace, state: State, picks: I32, lift: FloatArray) -> FloatArray:
-    """Return d(projection)/d(identity, offsets), (N, L, 2, I + 180)."""
+def shared_jacobian(
+    space: FitSpace, state: State, picks: I32, lift: FloatArray, weights: FloatArray
+) -> SharedJacobian:
+    """Return d(projection)/d(identity, offsets), times weights (N, L, 1, 1)."""
+    weighted = lift * weights
     modes = space.identity_jacobians(state.expressions, picks)
-    n_identity = modes.shape[-1]
-    out = np.zeros((*lift.shape[:3], n_identity + N_OFFSETS))
-    np.matmul(lift, modes, out=out[..., :n_identity])
-    for landmark in range(N_INTERNAL):
-        first = n_identity + 3 * landmark
-        out[:, landmark, :, first : first + 3] = lift[:, landmark]
-    return out
+    # Written out, since a batched product of such small matrices is slow.
+    identity = weighted[..., 0, None] * modes[:, :, None, 0]
+    identity += weighted[..., 1, None] * modes[:, :, None, 1]
+    identity += weighted[..., 2, None] * modes[:, :, None, 2]
+    return SharedJacobian(identity, weighted[:, :N_INTERNAL])
 
 
 def _locked(gradients: FloatArray, lower: FloatArray, upper: FloatArray) -> BoolArray:
@@ -132,17 +139,22 @@ def _locked(gradients: FloatArray, lower: FloatArray, upper: FloatArray) -> Bool
 
 
 def _reduced_step(
-    hessians: FloatArray, gradients: FloatArray, cross: FloatArray, locked: BoolArray,
-    shared_hessian: FloatArray, shared_gradient: FloatArray,
-) -> FloatArray:  # fmt: skip
-    """Return the step (I + 180,) of the person when every picture follows as it likes."""
-    free = ~locked
-    masked = hessians * (free[:, :, None] & free[:, None, :])
-    diagonal = np.arange(hessians.shape[1])
-    masked[:, diagonal, diagonal] += locked
-    right = np.concatenate([gradients[..., None], cross], axis=2) * free[..., None]
-    solved = np.linalg.solve(masked, right)
-    coupled = right[..., 1:].reshape(-1, cross.shape[2])
-    eliminated = coupled.T @ solved.reshape(len(coupled), -1)
-    reduced = shared_hessian - eliminated[:, 1:]
-    return np.asarray(np.linalg.solve(reduced, eliminated[:, 0] - shared_gradient))
+    hessians: Sequence[FloatArray],
+    right_sides: Sequence[FloatArray],
+    shared_hessian: FloatArray,
+    shared_gradient: FloatArray,
+) -> FloatArray:
+    """Return the step (I + 180,) of the person when every picture follows as it likes.
+
+    Args:
+        hessians: N pictures' Hessians (F, F) of their free variables.
+        right_sides: (F, 1 + I + 180) their gradient, then their Hessian with the person.
+        shared_hessian: (I + 180, I + 180).
+        shared_gradient: (I + 180,).
+    """
+    reduced, gradient = shared_hessian.copy(), shared_gradient.copy()
+    for hessian, right in zip(hessians, right_sides, strict=True):
+        eliminated = right[:, 1:].T @ np.linalg.solve(hessian, right)
+        reduced -= eliminated[:, 1:]
+        gradient -= eliminated[:, 0]
+    return np.asarray(np.linalg.solve(reduced, -gradient))

@@ -140,7 +140,7 @@ def first_guess(
     space: FitSpace, camera: Camera, landmarks: Sequence[Landmarks2D], standard: FloatArray
 ) -> Fit:
     """Return the mean person in the poses that POSIT finds."""
-    person = Person(np.zeros(len(space.identity_modes_mm)), np.zeros((N_INTERNAL, 3)))
+    person = Person(np.zeros(space.n_identities), np.zeros((N_INTERNAL, 3)))
     face = space.face(person.identity, person.offsets_mm)
     state = start_state(camera, face.neutral_mm, landmarks, len(face.deltas_mm))
     state = State(state.rotations, state.translations_mm, np.nan_to_num(standard, nan=0.0))

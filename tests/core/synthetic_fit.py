@@ -57,7 +57,12 @@ def synthetic_space(n_identity=8, n_shapes=46, seed=0):
         deltas[shape, 1:] = 0.05 * rng.normal(size=(n_identity, 1, 1)) * deltas[shape, 0]
     numbers = 60 + np.arange(strips.shape[0] * N_STRIP, dtype=np.int32).reshape(-1, N_STRIP)
     return FitSpace(
-        np.arange(len(points), dtype=np.int32), numbers, numbers[:, 3], points, modes, deltas
+        np.arange(len(points), dtype=np.int32),
+        numbers,
+        numbers[:, 3],
+        points,
+        np.moveaxis(modes, 0, -1).copy(),
+        np.moveaxis(deltas, 1, -1).copy(),
     )
 
 

@@ -12,13 +12,14 @@ from core.geometry import matrix_from_rotation_vector, rotation_vector_from_matr
 from core.joint_step import (
     JointProblem,
     Person,
-    _shared_jacobian,
     joint_energy,
     joint_step,
     person_precision,
+    shared_jacobian,
 )
 from core.model_fit import FewLandmarksError, FitSettings, check_landmarks, refine, set_up
 from core.picture_fit import fit_pictures
+from core.shared_equations import SharedJacobian
 from tests.core.synthetic_fit import (
     landmarks_of,
     result_of,
@@ -52,6 +53,17 @@ def problem_of(data, settings=USUAL):
 def fit_of(data, settings=USUAL, standard=None):
     problem, start = set_up(SPACE, data.camera, data.landmarks, settings, standard)
     return result_of(refine(problem, SPACE, start, settings))
+
+
+def dense(shared):
+    """Return the whole Jacobian (N, L, 2, I + 180)."""
+    n_pictures, n_landmarks, _, n_identity = shared.identity.shape
+    out = np.zeros((n_pictures, n_landmarks, 2, n_identity + 180))
+    out[..., :n_identity] = shared.identity
+    for landmark in range(60):
+        first = n_identity + 3 * landmark
+        out[:, landmark, :, first : first + 3] = shared.offsets[:, landmark]
+    return out
 
 
 def random_steps(rng, data):
@@ -94,9 +106,22 @@ def test_derivatives_by_identity_and_offsets_agree_with_finite_differences():
 
     face = SPACE.face(person.identity, person.offsets_mm)
     linear = linearise(data.camera, face, state, data.picks, problem.observations)
-    analytic = _shared_jacobian(SPACE, state, data.picks, linear.lift) @ direction
+    shared = shared_jacobian(SPACE, state, data.picks, linear.lift, np.ones((1, 1, 1, 1)))
+    analytic = dense(shared) @ direction
     numeric = (residuals(size) - residuals(-size)) / (2 * size)
     np.testing.assert_allclose(analytic, numeric, atol=1e-4)
+
+
+def test_shared_equations_agree_with_the_whole_jacobian():
+    rng = np.random.default_rng(9)
+    shared = SharedJacobian(rng.normal(size=(4, 75, 2, 8)), rng.normal(size=(4, 60, 2, 3)))
+    whole, residuals = dense(shared), rng.normal(size=(4, 75, 2))
+    local = rng.normal(size=(4, 75, 2, 11))
+    flat = whole.reshape(-1, 188)
+    np.testing.assert_allclose(shared.hessian(), flat.T @ flat, atol=1e-9)
+    np.testing.assert_allclose(shared.gradient(residuals), flat.T @ residuals.ravel(), atol=1e-9)
+    naive = np.einsum("nlcp,nlcg->npg", local, whole)
+    np.testing.assert_allclose(shared.cross(local), naive, atol=1e-9)
 
 
 def test_a_far_landmark_pulls_with_a_constant_force():
@@ -153,7 +178,7 @@ def test_neutral_pictures_get_no_expression():
     noisy = seen + 0.5 * rng.normal(size=seen.shape)
     data.landmarks = [landmarks_of(one) for one in noisy]
     found = fit_of(data).state.expressions
-    assert found.mean() < 0.01 and found.max() < 0.25
+    assert found.mean() < 0.005 and np.mean(found > 0.1) < 0.01
 
 
 def test_what_has_no_confidence_has_no_say():
