@@ -32,7 +32,7 @@ class FitSpace:
     @property
     def n_identities(self) -> int:
         """Return I, the number of identity weights."""
-        return self.identity_modes_mm.shape[-1]
+        return int(self.identity_modes_mm.shape[-1])
 
     def face(self, identity: FloatArray, offsets_mm: FloatArray) -> "Face":
         """Return the face with this identity.
