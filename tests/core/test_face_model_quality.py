@@ -96,6 +96,22 @@ def test_no_eyeball_comes_through_the_lids_in_other_shapes_of_the_eye(model, eve
         assert at.ball_clearance_mm(points, triangles, face.center, face.radius) > 0.0
 
 
+def test_lashes_stay_on_the_lids(model, outsiders):
+    lashes = np.unique(model.triangles[model.part_triangles("lashes")])
+    rims = [*at.UPPER_RIM, *at.LOWER_RIM]
+    for face in outsiders:
+        right = lashes[face.neutral[lashes, 0] < 0]
+
+        def from_rim(points, right=right):
+            apart = points[right][:, None] - points[rims][None]
+            return np.linalg.norm(apart, axis=-1).min(axis=1)
+
+        for amount in (0.5, 1.0):
+            shut = face.making(eyeBlinkRight=amount)
+            assert np.abs(from_rim(shut) - from_rim(face.neutral)).max() < 2.0
+        assert np.abs(face.deltas[number("eyeBlinkRight")][right, 1]).max() > 5.0
+
+
 @pytest.mark.parametrize("name", ["neutral", *CLOSED])
 def test_lips_are_sealed_in_every_shape_that_does_not_part_them(everyone, name):
     for face in everyone:

@@ -28,7 +28,6 @@ class Sculptor:
         self.lip_seam = lip_seam(self.chart, self.surface)
         x = reference[:, 0]
         self.left_share = smooth_step(0.5 + 0.5 * x / MIDLINE_MM)
-        self.mouth_distance = self.surface.distance(self.chart.ring("border"))
 
     def seal(self, field: np.ndarray, upper_share: float = 0.5) -> np.ndarray:
         """Return a displacement changed so that the lips stay together."""

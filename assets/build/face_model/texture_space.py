@@ -6,8 +6,6 @@ their own. u runs to the right and v down, as in a picture.
 
 import cv2
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from assets.build.face_model.head import PART_NAMES, Head
 
@@ -87,12 +85,3 @@ def corner_uv(head: Head, neutral: np.ndarray) -> np.ndarray:
         mine = np.isin(head.part, [PART_NAMES.index(part) for part in parts])
         uv[mine] = fitted(flipped[mine])
     return uv
-
-
-def seams(quads: np.ndarray, corners: np.ndarray) -> int:
-    """Return the number of separate islands that the faces form in texture space."""
-    ends = np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2)
-    count = corners.max() + 1
-    graph = coo_matrix((np.ones(len(ends)), ends.T), shape=(count, count))
-    _, label = connected_components(graph, directed=False)
-    return len(np.unique(label[corners]))
