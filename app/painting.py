@@ -22,6 +22,9 @@ from core.records import U8, Camera, FaceState, FloatArray, UserBlendshapes
 OWN = "own"
 AVATARS: tuple[str, ...] = (OWN, "nora", "leo", "mei", "kofi", "amara", "viktor")
 
+#: Avatars that the live view keeps: making one takes seconds.
+KEPT_AVATARS = 3
+
 
 def make_avatar(name: str, model: FaceModel, user: UserBlendshapes | None = None) -> Avatar:
     """Return an avatar.
@@ -145,6 +148,7 @@ class LivePainter:
         """Prepare pictures of a size (width, height); avatars are made when first wished for."""
         self._drawer, self._model, self._size_px = Drawer(renderer), model, size_px
         self._cast: Cast | None = None
+        self._avatars: dict[tuple[str, UserBlendshapes | None], Avatar] = {}
 
     def draw(self, wish: LiveWish) -> U8:
         """Return the picture (H, W, 4).
@@ -158,11 +162,14 @@ class LivePainter:
         return self._drawer.draw(_wish(self._avatar, framing, wish.state))
 
     def _enter(self, cast: Cast) -> None:
-        """Make the avatar unless it is the last one, and centre its portrait anew."""
-        before = self._cast
-        if before is None or (before.avatar, before.user) != (cast.avatar, cast.user):
-            self._avatar = avatar_from(self._gallery, cast.avatar, cast.user)
-        self._view, self._cast = PortraitView(self._size_px, cast.user), cast
+        """Centre the portrait anew, and make the avatar unless it was among the last ones."""
+        role = (cast.avatar, cast.user)
+        # The last used is last; the first makes way.
+        avatar = self._avatars.pop(role, None) or avatar_from(self._gallery, *role)
+        self._avatars[role] = avatar
+        if len(self._avatars) > KEPT_AVATARS:
+            self._avatars.pop(next(iter(self._avatars)))
+        self._avatar, self._view, self._cast = avatar, PortraitView(self._size_px), cast
 
     @cached_property
     def _gallery(self) -> Gallery:

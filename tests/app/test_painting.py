@@ -1,14 +1,29 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from app import painting
 from app.avatars.gallery import Gallery
-from app.painting import AVATARS, OWN, AvatarPainter, make_avatar
+from app.painting import (
+    AVATARS,
+    OWN,
+    AvatarPainter,
+    Cast,
+    LivePainter,
+    LiveWish,
+    PortraitView,
+    avatar_from,
+    make_avatar,
+    resting,
+)
 from app.resources import asset
 from core.arkit import EXPRESSION_NAMES
 from core.camera import camera_for
 from core.face_model import deltas_mm, load_face_model, neutral_mm
 from core.geometry import matrix_from_head_angles, quaternion_from_matrix
 from core.records import FaceState, UserBlendshapes
+from tests.app.gl import renderer_or_skip
 
 CAMERA = camera_for((160, 120), 160.0)
 
@@ -16,6 +31,11 @@ CAMERA = camera_for((160, 120), 160.0)
 @pytest.fixture(scope="module")
 def model():
     return load_face_model(asset("face_model.npz"))
+
+
+@pytest.fixture(scope="module")
+def avatar(model):
+    return make_avatar(AVATARS[1], model)
 
 
 def make_state(yaw=0.0, **expression):
@@ -32,19 +52,19 @@ def test_the_list_of_avatars_is_that_of_the_gallery(model):
     assert (OWN, *Gallery(asset("."), model).names) == AVATARS
 
 
-def test_the_own_head_has_the_users_shape(model):
+def test_the_own_head_has_the_users_shape(model, avatar):
     identity = np.zeros(model.n_identities)
     identity[:3] = 1.5
     user = UserBlendshapes(identity, neutral_mm(model, identity), deltas_mm(model, identity))
-    avatar = make_avatar(OWN, model, user)
+    own = make_avatar(OWN, model, user)
     n_vertices = len(user.neutral_mm)
-    np.testing.assert_allclose(avatar.neutral_mm[:n_vertices], user.neutral_mm, atol=1e-4)
-    assert make_avatar(OWN, model).name == make_avatar(AVATARS[1], model).name
+    np.testing.assert_allclose(own.neutral_mm[:n_vertices], user.neutral_mm, atol=1e-4)
+    assert make_avatar(OWN, model).name == avatar.name
 
 
 @pytest.mark.gl
 @pytest.mark.parametrize("as_portrait", [True, False])
-def test_the_picture_follows_expression_and_head(model, as_portrait):
+def test_the_picture_follows_expression_and_head(avatar, as_portrait):
     painter = AvatarPainter(make_avatar(AVATARS[1], model), CAMERA, as_portrait=as_portrait)
     try:
         rest = painter.paint(make_state()).astype(int)
@@ -59,3 +79,39 @@ def test_the_picture_follows_expression_and_head(model, as_portrait):
         (np.abs(other - rest)[..., :3].max(axis=2) > 16).mean() for other in (open_mouth, turned)
     ]
     assert 0 < changed[0] < changed[1]
+
+
+def test_the_portrait_is_centred_where_the_face_first_was_seen(avatar):
+    def head_x(view, x_mm):
+        state = replace(make_state(), translation_mm=[x_mm, 0, 600])
+        return view.framing(avatar, state).head_to_camera[0, 3]
+
+    view = PortraitView((160, 120))
+    view.framing(avatar, resting())
+    first = head_x(view, 80.0)
+    # Seen for the first time elsewhere, the head is in the middle there; here it has moved.
+    assert first == head_x(PortraitView((160, 120)), 80.0)
+    assert head_x(view, 100.0) > 2 + head_x(PortraitView((160, 120)), 100.0)
+
+
+@pytest.mark.gl
+def test_the_live_painter_changes_avatars_and_keeps_the_last_ones(model, monkeypatch):
+    made = []
+
+    def counted(gallery, name, user):
+        made.append(name)
+        return avatar_from(gallery, name, user)
+
+    monkeypatch.setattr(painting, "avatar_from", counted)
+    renderer = renderer_or_skip()
+    try:
+        painter = LivePainter(renderer, model, (160, 120))
+        casts = [Cast(name, None) for name in ("nora", "leo", "nora")]
+        nora, leo, again = (painter.draw(LiveWish(cast, resting())) for cast in casts)
+        open_mouth = painter.draw(LiveWish(casts[2], make_state(jawOpen=1.0)))
+    finally:
+        renderer.release()
+    assert made == ["nora", "leo"]
+    np.testing.assert_array_equal(nora, again)
+    assert np.abs(nora.astype(int) - leo).max() > 50
+    assert np.abs(nora.astype(int) - open_mouth).max() > 50
