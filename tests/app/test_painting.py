@@ -65,7 +65,7 @@ def test_the_own_head_has_the_users_shape(model, avatar):
 @pytest.mark.gl
 @pytest.mark.parametrize("as_portrait", [True, False])
 def test_the_picture_follows_expression_and_head(avatar, as_portrait):
-    painter = AvatarPainter(make_avatar(AVATARS[1], model), CAMERA, as_portrait=as_portrait)
+    painter = AvatarPainter(avatar, CAMERA, as_portrait=as_portrait)
     try:
         rest = painter.paint(make_state()).astype(int)
         open_mouth = painter.paint(make_state(jawOpen=1.0)).astype(int)
