@@ -66,7 +66,8 @@ class LiveSettings:
         doubt: Residual of the regressor above which a frame is checked at once; 1 is what 99 %
             of good frames stay below.
         doubt_spread_mm: The same for the disagreement of its runs.
-        doubt_pause: Frames after a passed check in which doubt alone asks for no other one.
+        doubt_pause: Frames after a doubtful frame that passed its check in which doubt alone asks
+            for no other one.
         disagreement: Distance of the regressed landmarks from the aligner's, in eye distances
             (RMS), above which the regressor is wrong.
         recovery: How a shape is found from landmarks.
@@ -114,7 +115,7 @@ class LiveTracker:
         self._use_size(user.camera.size_px)
         self._alignment: Alignment | None = None
         self._points_mm: FloatArray | None = None
-        self._since_check = 0
+        self._since_check, self._pause = 0, 1
         self._last = _no_state()
 
     @property
@@ -178,17 +179,19 @@ class LiveTracker:
     def _passes_check(self, frame: Frame, shape: Shape3D) -> bool:
         """Let the generic aligner look now and then, and at once where there is doubt."""
         self._since_check += 1
-        settings = self._settings
-        pause = settings.doubt_pause if self._is_doubtful(shape) else settings.check_every
-        if self._since_check < pause:
+        doubtful = self._is_doubtful(shape)
+        if self._since_check < (self._pause if doubtful else self._settings.check_every):
+            self._pause = self._pause if doubtful else 1
             return True
+        # Doubt that was unfounded once, under another lamp say, will be so in the next frames.
+        self._pause = self._settings.doubt_pause if doubtful else 1
         self._since_check = 0
         landmarks_px = project(self._camera, shape.points_mm[:N_LANDMARKS])
         alignment = self._aligner.check(frame.rgb, landmarks_px)
         if alignment is None:
             return False
         self._alignment = alignment
-        return disagreement(landmarks_px, alignment.landmarks) < settings.disagreement
+        return disagreement(landmarks_px, alignment.landmarks) < self._settings.disagreement
 
     def _start(self, frame: Frame) -> _Found | None:
         """Return the shape recovered from the generic aligner's landmarks, None without a face.
@@ -210,7 +213,7 @@ class LiveTracker:
         landmarks_px = project(self._camera, shape.points_mm[:N_LANDMARKS])
         agrees = disagreement(landmarks_px, landmarks) < self._settings.disagreement
         if agrees and self._is_sane(shape):
-            self._points_mm, self._since_check = shape.points_mm, 0
+            self._points_mm, self._since_check, self._pause = shape.points_mm, 0, 1
             return _Found(shape.points_mm, self._confidence(shape))
         return _Found(recovered.points_mm[0], 0.5 * self._alignment.presence)
 

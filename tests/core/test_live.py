@@ -255,3 +255,9 @@ def test_disagreement_is_a_share_of_the_face_weighed_by_confidence():
     unsure[:5] = 0
     assert disagreement(wild, replace(landmarks, confidence=unsure)) < 0.2
     assert disagreement(wild, landmarks) > 1
+
+
+def test_doubt_soon_after_a_passed_routine_check_is_looked_into_at_once():
+    stage = Stage(replace(UNDOUBTED, doubt_spread_mm=0.0, doubt_pause=9))
+    stage.film(2)
+    assert len(stage.checked) == 1
