@@ -63,15 +63,17 @@ class PortraitView:
     def __init__(self, size_px: tuple[int, int], user: UserBlendshapes | None = None) -> None:
         """Prepare pictures of a size (width, height); the user's usual rotation is taken off."""
         self._size_px = size_px
-        rest = np.array([1.0, 0, 0, 0]) if user is None else user.rest_wxyz
-        self._from_rest = rest * [1, -1, -1, -1]
+        self._rest_wxyz = np.array([1.0, 0, 0, 0]) if user is None else user.rest_wxyz
+        self._from_rest = self._rest_wxyz * [1, -1, -1, -1]
         self._rest_mm: FloatArray | None = None
 
     def framing(self, avatar: Avatar, state: FaceState) -> Framing:
         """Return where camera, head and body are."""
         if self._rest_mm is None and not state.lost:
             self._rest_mm = state.translation_mm
-        rotation = multiply_quaternions(state.rotation_wxyz, self._from_rest)
+        # Before the face is seen, the state's rotation is nobody's.
+        usual = state.rotation_wxyz if self._rest_mm is not None else self._rest_wxyz
+        rotation = multiply_quaternions(usual, self._from_rest)
         return portrait(avatar, self._size_px, rotation, state.translation_mm, self._rest_mm)
 
 
@@ -169,7 +171,8 @@ class LivePainter:
         self._avatars[role] = avatar
         if len(self._avatars) > KEPT_AVATARS:
             self._avatars.pop(next(iter(self._avatars)))
-        self._avatar, self._view, self._cast = avatar, PortraitView(self._size_px), cast
+        self._avatar, self._cast = avatar, cast
+        self._view = PortraitView(self._size_px, cast.user)
 
     @cached_property
     def _gallery(self) -> Gallery:

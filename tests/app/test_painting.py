@@ -94,6 +94,22 @@ def test_the_portrait_is_centred_where_the_face_first_was_seen(avatar):
     assert head_x(view, 100.0) > 2 + head_x(PortraitView((160, 120)), 100.0)
 
 
+def test_a_user_who_looks_as_usual_and_one_not_yet_seen_look_straight_ahead(avatar, model):
+    usual = quaternion_from_matrix(matrix_from_head_angles(0.1, -0.2, 0.05))
+    nobody = np.zeros(model.n_identities)
+    user = UserBlendshapes(
+        nobody, neutral_mm(model, nobody), deltas_mm(model, nobody), rest_wxyz=usual
+    )
+    view = PortraitView((160, 120), user)
+    straight = PortraitView((160, 120)).framing(avatar, resting()).head_to_camera[:3, :3]
+    unseen = view.framing(avatar, resting())
+    seen = view.framing(avatar, replace(make_state(), rotation_wxyz=usual))
+    turned = view.framing(avatar, make_state())
+    np.testing.assert_allclose(unseen.head_to_camera[:3, :3], straight, atol=1e-9)
+    np.testing.assert_allclose(seen.head_to_camera[:3, :3], straight, atol=1e-9)
+    assert np.abs(turned.head_to_camera[:3, :3] - straight).max() > 0.1
+
+
 @pytest.mark.gl
 def test_the_live_painter_changes_avatars_and_keeps_the_last_ones(model, monkeypatch):
     made = []
