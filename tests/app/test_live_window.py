@@ -384,6 +384,7 @@ def test_every_control_has_a_name_and_is_reached_by_the_keyboard(live, qtbot):
     assert set(controls()) <= reached
 
 
+@pytest.mark.slow
 @pytest.mark.gl
 def test_the_virtual_performer_gets_a_profile_and_moves_an_avatar(live, qtbot, monkeypatch):
     renderer_or_skip().release()
