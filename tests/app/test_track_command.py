@@ -90,7 +90,15 @@ def test_only_the_asked_number_of_frames_is_tracked():
     assert summary.frames == source.given == 5 and summary.note == ""
 
 
-def test_ctrl_c_ends_a_live_recording_with_its_frames():
+@pytest.fixture
+def as_in_a_terminal():
+    """Python's own answer to Ctrl-C; programs started in the background ignore it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_ctrl_c_ends_a_live_recording_with_its_frames(as_in_a_terminal):
     with interrupt_ends(live=True) as stopped:
         steps = track(Playing(100, live=True), EveryThirdLost(), Outputs(), stopped=stopped)
         next(steps)
@@ -100,7 +108,7 @@ def test_ctrl_c_ends_a_live_recording_with_its_frames():
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
-def test_ctrl_c_breaks_off_a_file():
+def test_ctrl_c_breaks_off_a_file(as_in_a_terminal):
     with pytest.raises(KeyboardInterrupt), interrupt_ends(live=False):
         signal.raise_signal(signal.SIGINT)
 
