@@ -104,7 +104,7 @@ def joint_step(
     shared_gradient += joint.precision * person.values()
 
     lower, upper = step_bounds(state.expressions)
-    free = ~_locked(gradients, lower, upper)
+    free = ~locked(gradients, lower, upper)
     step = _reduced_step(
         [hessian[np.ix_(some, some)] for hessian, some in zip(hessians, free, strict=True)],
         [
@@ -131,7 +131,7 @@ def shared_jacobian(
     return SharedJacobian(identity, weighted[:, :N_INTERNAL])
 
 
-def _locked(gradients: FloatArray, lower: FloatArray, upper: FloatArray) -> BoolArray:
+def locked(gradients: FloatArray, lower: FloatArray, upper: FloatArray) -> BoolArray:
     """Return which local variables (N, 6 + B) rest at a bound that they push against."""
     slope = gradients[:, N_POSE:]
     held = ((lower >= 0) & (slope > 0)) | ((upper <= 0) & (slope < 0))
