@@ -22,6 +22,8 @@ from typing import Any
 from core.errors import CoreError
 
 HEADER_NAME = "profile.json"
+#: The folder of pictures and corrections that no generation holds yet; see core.draft.
+DRAFT_NAME = "draft"
 FORMAT = "facepuppet profile"
 #: Raised when an older program would misread what this one writes.
 SCHEMA = 1
@@ -98,7 +100,7 @@ class Generation:
         try:
             content = path.read_bytes()
         except OSError as error:
-            raise ProfileDamagedError(path, _reason(error), f"a file of {size} bytes") from None
+            raise ProfileDamagedError(path, reason_of(error), f"a file of {size} bytes") from None
         if len(content) != size:
             raise ProfileDamagedError(path, f"{len(content)} bytes long", f"{size} bytes")
         if hashlib.sha256(content).hexdigest() != digest:
@@ -123,7 +125,7 @@ def check_target(folder: Path) -> None:
         trial.mkdir()
         trial.rmdir()
     except OSError as error:
-        raise ProfileUnwritableError(folder, _reason(error)) from None
+        raise ProfileUnwritableError(folder, reason_of(error)) from None
 
 
 def write_generation(
@@ -144,19 +146,19 @@ def write_generation(
     try:
         current.mkdir()
         for name, content in files.items():
-            _write_through(current / PurePosixPath(name), content)
+            write_through(current / PurePosixPath(name), content)
         for path in {current, *(entry for entry in current.rglob("*") if entry.is_dir())}:
-            _push_folder(path)
+            push_folder(path)
         _replace_header(folder, current.name, header, files)
     except BaseException as error:
         # An interrupt may come after the replacement: then the new state stands.
         if _current_name(folder) != current.name:
             shutil.rmtree(current, ignore_errors=True)
         if isinstance(error, OSError):
-            raise ProfileUnwritableError(folder, _reason(error)) from None
+            raise ProfileUnwritableError(folder, reason_of(error)) from None
         raise
     with suppress(OSError):
-        _push_folder(folder)
+        push_folder(folder)
     for path in folder.glob("data-*"):
         if path != current:
             shutil.rmtree(path, ignore_errors=True)
@@ -212,13 +214,13 @@ def _replace_header(
     }  # fmt: skip
     fresh = folder / (HEADER_NAME + ".new")
     try:
-        _write_through(fresh, json.dumps(whole, indent=1, allow_nan=False).encode())
+        write_through(fresh, json.dumps(whole, indent=1, allow_nan=False).encode())
         os.replace(fresh, folder / HEADER_NAME)
     finally:
         fresh.unlink(missing_ok=True)
 
 
-def _write_through(path: Path, content: bytes) -> None:
+def write_through(path: Path, content: bytes) -> None:
     """Write a file and wait until the disk has it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("wb") as file:
@@ -227,7 +229,7 @@ def _write_through(path: Path, content: bytes) -> None:
         os.fsync(file.fileno())
 
 
-def _push_folder(folder: Path) -> None:
+def push_folder(folder: Path) -> None:
     """Wait until the disk has the names in a folder; Windows does that without being asked."""
     if os.name == "posix":
         handle = os.open(folder, os.O_RDONLY)
@@ -252,8 +254,10 @@ def _last_number(folder: Path) -> int:
 
 
 def _is_ours(path: Path) -> bool:
-    return path.name.startswith(("data-", ".")) or path.name == HEADER_NAME + ".new"
+    ours = (HEADER_NAME + ".new", DRAFT_NAME)
+    return path.name.startswith(("data-", ".")) or path.name in ours
 
 
-def _reason(error: OSError) -> str:
+def reason_of(error: OSError) -> str:
+    """Return what the system says about an error, as part of a sentence."""
     return (error.strerror or str(error)).lower()

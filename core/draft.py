@@ -1,0 +1,142 @@
+"""What the user has shot or corrected since the last training: kept at once, picture by picture.
+
+    draft/NAME.npz    landmarks of a picture, the aligner's own ones, and how good the picture is
+    draft/NAME.png    the picture, where the profile itself does not hold it
+
+A file is complete or not there, and a picture counts from the moment its .npz is there. So nothing
+is lost when the program ends at any moment, and a damaged file costs one picture.
+"""
+
+import io
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import ArrayShapeError
+from core.generations import (
+    DRAFT_NAME,
+    ProfileUnwritableError,
+    push_folder,
+    reason_of,
+    write_through,
+)
+from core.records import Landmarks2D
+
+_ARRAYS, _FRESH = ".npz", ".new"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DraftPicture:
+    """One picture of a draft.
+
+    Attributes:
+        landmarks: As they are now.
+        automatic: As the aligner found them.
+        picture_name: File of the picture in the draft, "" where the profile holds it.
+        quality: JSON values about the picture, for people.
+    """
+
+    landmarks: Landmarks2D
+    automatic: Landmarks2D
+    picture_name: str = ""
+    quality: Mapping[str, object] = field(default_factory=dict)
+
+
+class Draft:
+    """The draft of one profile folder. What is read or written is on the disk, nothing else."""
+
+    def __init__(self, profile: Path) -> None:
+        """Look at a profile's draft; nothing is made until something is put.
+
+        Args:
+            profile: The profile's folder, which need not be there.
+        """
+        self._profile, self._folder = profile, profile / DRAFT_NAME
+
+    def names(self) -> list[str]:
+        """Return the names of the pictures, in alphabetical order."""
+        return sorted(path.stem for path in self._folder.glob(f"*{_ARRAYS}"))
+
+    def get(self, name: str) -> DraftPicture | None:
+        """Return a picture, None if there is none that can be read."""
+        try:
+            content = (self._folder / (name + _ARRAYS)).read_bytes()
+            with np.load(io.BytesIO(content), allow_pickle=False) as stored:
+                arrays = {key: stored[key] for key in stored.files}
+            told = json.loads(str(arrays["told"]))
+            picture = DraftPicture(
+                _record("landmarks", arrays), _record("automatic", arrays),
+                str(told["picture"]), dict(told["quality"]),
+            )  # fmt: skip
+        except (OSError, EOFError, KeyError, TypeError, ValueError, BadZipFile, ArrayShapeError):
+            return None
+        whole = not picture.picture_name or (self._folder / picture.picture_name).is_file()
+        return picture if whole else None
+
+    def content(self, picture: DraftPicture) -> bytes:
+        """Return the encoded picture; one that the profile holds is empty."""
+        if not picture.picture_name:
+            return b""
+        return (self._folder / picture.picture_name).read_bytes()
+
+    def put(self, name: str, picture: DraftPicture, content: bytes | None = None) -> None:
+        """Keep a picture, or what has changed of it.
+
+        Args:
+            name: File stem: the shot's name.
+            picture: Its landmarks.
+            content: The encoded picture; None leaves the file that is there.
+
+        Raises:
+            ProfileUnwritableError: The old state is kept.
+        """
+        told = json.dumps({"picture": picture.picture_name, "quality": dict(picture.quality)})
+        arrays = {"told": np.array(told)}
+        arrays |= _arrays("landmarks", picture.landmarks)
+        arrays |= _arrays("automatic", picture.automatic)
+        buffer = io.BytesIO()
+        np.savez(buffer, allow_pickle=False, **arrays)
+        try:
+            if content is not None:
+                self._replace(picture.picture_name, content)
+            self._replace(name + _ARRAYS, buffer.getvalue())
+        except OSError as error:
+            raise ProfileUnwritableError(self._profile, reason_of(error)) from None
+
+    def remove(self, name: str) -> None:
+        """Drop a picture, if there is one."""
+        kept = self.get(name)
+        (self._folder / (name + _ARRAYS)).unlink(missing_ok=True)
+        if kept is not None and kept.picture_name:
+            (self._folder / kept.picture_name).unlink(missing_ok=True)
+
+    def clear(self) -> None:
+        """Drop everything: a new generation holds it."""
+        for name in self.names():
+            self.remove(name)
+
+    def _replace(self, name: str, content: bytes) -> None:
+        """Write a file of the draft in one step."""
+        path = self._folder / name
+        fresh = self._folder / (name + _FRESH)
+        try:
+            write_through(fresh, content)
+            os.replace(fresh, path)
+            push_folder(self._folder)
+        finally:
+            fresh.unlink(missing_ok=True)
+
+
+def _arrays(prefix: str, landmarks: Landmarks2D) -> dict[str, NDArray[Any]]:
+    return {f"{prefix}.{one.name}": getattr(landmarks, one.name) for one in fields(landmarks)}
+
+
+def _record(prefix: str, arrays: Mapping[str, NDArray[Any]]) -> Landmarks2D:
+    return Landmarks2D(**{one.name: arrays[f"{prefix}.{one.name}"] for one in fields(Landmarks2D)})
