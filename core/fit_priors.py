@@ -38,7 +38,7 @@ class PriorSettings:
     """
 
     spread_scale: float = 1.0
-    slope: float = 4.0
+    slope: float = 5.0
     standard_spread: float = 0.35
     others_share: float = 0.4
     neutral_share: float = 0.1

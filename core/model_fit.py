@@ -60,9 +60,9 @@ class FitSettings:
         pictures: How poses and expressions are iterated.
     """
 
-    noise_mm: float = 1.2
+    noise_mm: float = 1.6
     contour_weight: float = 0.2
-    deviation: float = 0.1
+    deviation: float = 0.2
     identity_weight: float = 4.0
     offset_mm: float = 1.0
     prior: PriorSettings = field(default_factory=PriorSettings)

@@ -1,13 +1,24 @@
 """Facts about the search for the focal length."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
 
-from core.calibration import ChessboardError, chessboard_camera
+from core.calibration import (
+    CalibrationSettings,
+    ChessboardError,
+    calibrate,
+    chessboard_camera,
+    estimate_focal,
+)
 from core.camera import camera_for, project
 from core.focal_search import FocalNotBracketedError, parabola_minimum, search_focal
 from core.geometry import matrix_from_head_angles
+from core.model_fit import FewLandmarksError
+from core.setup_plan import SHOTS
+from tests.core.held_out_person import face_model, filmed, person, prompts
 from tests.core.synthetic_fit import result_of
 
 
@@ -99,3 +110,64 @@ def test_the_board_picture_of_these_tests_is_where_it_should_be():
     x, y = np.round(corner).astype(int)
     # First square is dark, its right neighbour light.
     assert picture[y - 5, x - 5] == 20 and picture[y - 5, x + 5] == 230
+
+
+def estimate_of(film, standard):
+    steps = estimate_focal(
+        face_model(), film.camera.size_px, film.landmarks, standard, CalibrationSettings()
+    )
+    return result_of(steps)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("focal_px", [450.0, 600.0, 900.0])
+def test_the_prompts_give_the_focal_length_of_a_person_outside_the_model(focal_px):
+    shots = [shot for shot in SHOTS if abs(shot.yaw) < 1.2]
+    film = filmed(person(0), shots, np.random.default_rng(0), focal_px, noise_px=0.5)
+    found = estimate_of(film, film.standard)
+    assert found.camera.focal_px == pytest.approx(focal_px, rel=0.02)
+    assert found.errors[0] > found.errors.min() + 4 and found.errors[-1] > found.errors.min() + 4
+
+
+def test_turned_heads_tell_a_wide_lens_from_a_narrow_one():
+    shots = prompts("pose")
+    found = [
+        estimate_of(film, film.standard).camera.focal_px / film.camera.focal_px
+        for film in (
+            filmed(person(1), shots, np.random.default_rng(1), focal_px) for focal_px in (450, 800)
+        )
+    ]
+    np.testing.assert_allclose(found, 1.0, atol=0.12)
+
+
+def test_frontal_pictures_of_a_plain_video_give_a_usual_webcam_and_say_how_unsure_that_is():
+    shots = [shot for shot in SHOTS if not (shot.yaw or shot.pitch or shot.roll)][:8]
+    film = filmed(person(2), shots, np.random.default_rng(2), focal_px=700.0)
+    found = estimate_of(film, None)
+    assert abs(np.log(found.camera.focal_px / (0.87 * 640))) < 0.35
+    assert found.spread > 0.1
+
+
+def test_calibration_counts_its_steps_and_returns_the_camera():
+    film = filmed(person(0), prompts("pose_yaw")[1:4], np.random.default_rng(3))
+    steps = calibrate(
+        face_model(), (640, 480), film.landmarks, film.standard, CalibrationSettings(evaluations=3)
+    )
+    seen = []
+    while True:
+        try:
+            seen.append(next(steps))
+        except StopIteration as end:
+            camera = end.value
+            break
+    assert [one.done for one in seen] == list(range(1, len(seen) + 1))
+    assert {one.total for one in seen} == {len(seen)}
+    assert camera.size_px == (640, 480)
+    np.testing.assert_allclose(camera.center_px, [319.5, 239.5])
+
+
+def test_calibration_refuses_a_picture_without_landmarks():
+    film = filmed(person(0), prompts("pose_yaw")[:2], np.random.default_rng(4))
+    blind = [film.landmarks[0], replace(film.landmarks[1], confidence=np.zeros(75))]
+    with pytest.raises(FewLandmarksError, match="picture 1"):
+        result_of(calibrate(face_model(), (640, 480), blind, None, CalibrationSettings()))
