@@ -42,3 +42,13 @@ def scaled(camera: Camera, size_px: tuple[int, int]) -> Camera:
     factor = size_px[0] / camera.size_px[0]
     center = (camera.center_px + 0.5) * factor - 0.5
     return Camera(camera.focal_px * factor, center, size_px)
+
+
+def seen_by(camera: Camera, size_px: tuple[int, int]) -> Camera:
+    """Return the camera of the same view in pictures of another size.
+
+    The longer side counts: pictures are cut at the shorter one, or turned upright.
+    """
+    if size_px == camera.size_px:
+        return camera
+    return camera_for(size_px, camera.focal_px * max(size_px) / max(camera.size_px))

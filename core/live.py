@@ -3,15 +3,16 @@
 `LiveTracker` is the only object here that remembers anything between frames.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
 
+from core.agreement import Look, disagreement
 from core.alignment import Alignment
 from core.animation_prior import AnimationPrior
 from core.arkit import EXPRESSION_NAMES
-from core.camera import camera_for, project
+from core.camera import project, seen_by
 from core.face_model import FaceModel, eye_centers_mm, shape_vertices
 from core.landmarks import N_INTERNAL, N_LANDMARKS
 from core.model_fit import FewLandmarksError
@@ -115,28 +116,68 @@ class LiveTracker:
         self._use_size(user.camera.size_px)
         self._alignment: Alignment | None = None
         self._points_mm: FloatArray | None = None
+        self._look: Look | None = None
         self._since_check, self._pause = 0, 1
-        self._last = _no_state()
+        self._last = resting_state("trained")
 
     @property
     def camera(self) -> Camera:
         """The camera in pixels of the last frame."""
         return self._camera
 
+    @property
+    def look(self) -> Look | None:
+        """What the aligner saw in the last frame, None if it did not look or saw nothing."""
+        return self._look
+
+    @property
+    def follows(self) -> bool:
+        """Whether the regressor goes on from the last frame."""
+        return self._points_mm is not None
+
     def reset(self) -> None:
         """Forget the past, as after a cut."""
-        self._alignment, self._points_mm = None, None
+        self._alignment, self._points_mm, self._look = None, None, None
         self._tracker.reset()
+
+    def look_within(self, frames: int) -> None:
+        """Let the aligner look after so many frames, if it would not sooner."""
+        self._since_check = max(self._since_check, self._settings.check_every - frames)
+
+    def begin_at(self, frame: Frame, landmarks: Landmarks2D) -> Look | None:
+        """Try the regressor where somebody else found the face; it is followed if it agrees.
+
+        Args:
+            frame: The frame.
+            landmarks: Of the generic aligner in this frame.
+
+        Returns:
+            How it went, None if the landmarks do not suffice.
+        """
+        self._fit_frame(frame)
+        self.reset()
+        recovered = self._recovered(landmarks)
+        if recovered is not None:
+            self._look = self._begin(frame, landmarks, recovered)
+        return self._look
+
+    def misfit(self, landmarks: Landmarks2D) -> float | None:
+        """Return how far the user's own face stays from landmarks, None if they do not suffice.
+
+        The distance is that of `disagreement`, after pose and expression are fitted.
+        """
+        recovered = self._recovered(landmarks)
+        if recovered is None:
+            return None
+        return disagreement(project(self._camera, recovered[:N_LANDMARKS]), landmarks)
 
     def step(self, frame: Frame) -> FaceState:
         """Return the face in a frame; `lost` and the last good state where there is none."""
-        size_px = (frame.gray.shape[1], frame.gray.shape[0])
-        if size_px != self._camera.size_px:
-            self._use_size(size_px)
-            self.reset()
+        self._fit_frame(frame)
+        self._look = None
         found = self._continue(frame) or self._start(frame)
         if found is None:
-            self._last = _as_lost(self._last, frame.time_s)
+            self._last = replace(self._last, time_s=frame.time_s, confidence=0.0, lost=True)
             return self._last
         if self._last.lost:
             self._tracker.reset()
@@ -144,13 +185,15 @@ class LiveTracker:
         self._last = self._state(frame.time_s, found, face)
         return self._last
 
+    def _fit_frame(self, frame: Frame) -> None:
+        """Begin anew where the frames have another size."""
+        size_px = (frame.gray.shape[1], frame.gray.shape[0])
+        if size_px != self._camera.size_px:
+            self._use_size(size_px)
+            self.reset()
+
     def _use_size(self, size_px: tuple[int, int]) -> None:
-        camera = self._user.camera
-        self._camera = (
-            camera
-            if size_px == camera.size_px
-            else camera_for(size_px, camera.focal_px * size_px[0] / camera.size_px[0])
-        )
+        self._camera = seen_by(self._user.camera, size_px)
         self._regression = Regression(self._user.regressor, self._camera)
 
     def _continue(self, frame: Frame) -> _Found | None:
@@ -191,7 +234,8 @@ class LiveTracker:
         if alignment is None:
             return False
         self._alignment = alignment
-        return disagreement(landmarks_px, alignment.landmarks) < self._settings.disagreement
+        self._look = self._compared(alignment.landmarks, shape)
+        return self._look.agrees
 
     def _start(self, frame: Frame) -> _Found | None:
         """Return the shape recovered from the generic aligner's landmarks, None without a face.
@@ -202,20 +246,34 @@ class LiveTracker:
         if self._alignment is None:
             return None
         landmarks = self._alignment.landmarks
+        recovered = self._recovered(landmarks)
+        if recovered is None:
+            return None
+        self._look = self._begin(frame, landmarks, recovered)
+        if self._look.agrees:
+            return _Found(self._look.shape.points_mm, self._confidence(self._look.shape))
+        return _Found(recovered, 0.5 * self._alignment.presence)
+
+    def _recovered(self, landmarks: Landmarks2D) -> FloatArray | None:
+        """Return the user's shape (Q, 3) with these landmarks, None if they are too few."""
+        user, settings = self._user.blendshapes, self._settings.recovery
         try:
-            recovered = recover_one(
-                self._model, self._user.blendshapes, self._camera, landmarks,
-                self._settings.recovery,
-            )  # fmt: skip
+            found = recover_one(self._model, user, self._camera, landmarks, settings)
         except FewLandmarksError:
             return None
-        shape = self._regression.run(frame.gray, recovered.points_mm[0])
-        landmarks_px = project(self._camera, shape.points_mm[:N_LANDMARKS])
-        agrees = disagreement(landmarks_px, landmarks) < self._settings.disagreement
-        if agrees and self._is_sane(shape):
-            self._points_mm, self._since_check, self._pause = shape.points_mm, 0, 1
-            return _Found(shape.points_mm, self._confidence(shape))
-        return _Found(recovered.points_mm[0], 0.5 * self._alignment.presence)
+        return np.asarray(found.points_mm[0])
+
+    def _begin(self, frame: Frame, landmarks: Landmarks2D, recovered: FloatArray) -> Look:
+        """Let the regressor start from a recovered shape; follow it if it agrees."""
+        look = self._compared(landmarks, self._regression.run(frame.gray, recovered))
+        if look.agrees:
+            self._points_mm, self._since_check, self._pause = look.shape.points_mm, 0, 1
+        return look
+
+    def _compared(self, landmarks: Landmarks2D, shape: Shape3D) -> Look:
+        apart = disagreement(project(self._camera, shape.points_mm[:N_LANDMARKS]), landmarks)
+        agrees = apart < self._settings.disagreement and self._is_sane(shape)
+        return Look(landmarks, shape, apart, agrees)
 
     def _confidence(self, shape: Shape3D) -> float:
         """Return 1 for a frame like the training pictures, 0.5 at the level of doubt."""
@@ -251,25 +309,7 @@ def tracker_model(model: FaceModel, user: UserBlendshapes) -> TrackerModel:
     )
 
 
-def disagreement(points_px: FloatArray, landmarks: Landmarks2D) -> float:
-    """Return the RMS distance from an aligner's internal landmarks in parts of the face's size.
-
-    The unit is the distance of the outer eye corners, or on a turned head the height from brows
-    to lower lip that goes with it; the aligner's confidence weighs the landmarks.
-
-    Args:
-        points_px: (L, 2).
-        landmarks: The aligner's.
-    """
-    aligned = landmarks.points_px[:N_INTERNAL]
-    weights = landmarks.confidence[:N_INTERNAL] + 1e-6
-    squares = np.sum((points_px[:N_INTERNAL] - aligned) ** 2, axis=1)
-    # Faces are about as high from brow to lip as wide from eye corner to eye corner.
-    size = max(float(np.ptp(aligned[:, 0])), float(np.ptp(aligned[:, 1])))
-    return float(np.sqrt(np.average(squares, weights=weights)) / max(size, 1.0))
-
-
-def _no_state() -> FaceState:
+def resting_state(mode: str) -> FaceState:
     """Return a resting face half a metre before the camera, lost."""
     return FaceState(
         time_s=0.0,
@@ -280,21 +320,6 @@ def _no_state() -> FaceState:
         shape_mm=np.zeros((N_LANDMARKS, 3)),
         landmarks_px=np.zeros((N_LANDMARKS, 2)),
         confidence=0.0,
-        mode="trained",
-        lost=True,
-    )
-
-
-def _as_lost(state: FaceState, time_s: float) -> FaceState:
-    return FaceState(
-        time_s=time_s,
-        rotation_wxyz=state.rotation_wxyz,
-        translation_mm=state.translation_mm,
-        expression=state.expression,
-        gaze_rad=state.gaze_rad,
-        shape_mm=state.shape_mm,
-        landmarks_px=state.landmarks_px,
-        confidence=0.0,
-        mode=state.mode,
+        mode=mode,
         lost=True,
     )

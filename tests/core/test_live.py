@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from core.agreement import disagreement
 from core.camera import camera_for, project
 from core.geometry import head_angles_from_matrix, matrix_from_quaternion
 from core.landmarks import N_INTERNAL, N_LANDMARKS
-from core.live import LiveSettings, LiveTracker, disagreement, tracker_model
+from core.live import LiveSettings, LiveTracker, tracker_model
 from core.records import UserBlendshapes
 from tests.core.painted_user import painted_user, trained_user
 from tests.core.tracked_faces import index, shipped_prior
