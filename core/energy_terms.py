@@ -1,0 +1,115 @@
+"""Weights and constants of the training-free solvers [FaceIt19, sec. 4], and what stands for them.
+
+Where the paper's formulas cannot be used as they are printed:
+
+* Eq. 12's walls are 2e-5 wide: next to them the energy is flat, and a step that meets one is
+  refused whole. `widened` has the same form with walls that a derivative can feel, and `box`
+  bounds the coefficients instead. Eq. 12 is also not 0 in range but 0.03; nothing depends on it.
+* Eq. 9 adds rad^2 and mm^2. Here rotation and translation have a weight each. It is one sum, not
+  one of eta equal ones.
+* Eq. 10 has no pose: we project with the one just found.
+* Eq. 11 has no derivative at 0; there it is smoothed over a thousandth.
+* The weights of eq. 5-7 are not printed; energies here are in px^2 of a face of the usual size.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from core.arkit import EXPRESSION_NAMES
+from core.fit_priors import USUAL_SPREAD, expression_spreads
+from core.kernels.energy import BARRIER, BOX, JointTerms, PaperTerms
+from core.records import FloatArray
+
+#: What eq. 12 is multiplied by.
+_BARRIER_WEIGHT = 100.0
+#: a, b, c of eq. 12: as printed, and with walls that can be felt.
+_BARRIERS = {"printed": (1.002, 2e-5, 2.5), "widened": (1.01, 5e-3, np.pi**2 / 4)}
+
+
+@dataclass(frozen=True, slots=True)
+class PaperSettings:
+    """How the paper's energy is minimised; energies in px^2 of a face of the usual size.
+
+    Attributes:
+        pose_iterations: Of Levenberg-Marquardt, rho.
+        expression_iterations: Of Levenberg-Marquardt, epsilon.
+        rotation_smoothness: Weight of eq. 9 per rad^2.
+        translation_smoothness: Weight of eq. 9 per mm^2.
+        sparsity: Weight of eq. 11.
+        bounds: What keeps coefficients in [0, 1].
+    """
+
+    pose_iterations: int = 15
+    expression_iterations: int = 15
+    rotation_smoothness: float = 1e5
+    translation_smoothness: float = 1.0
+    sparsity: float = 5.0
+    bounds: Literal["printed", "widened", "box"] = "box"
+
+
+@dataclass(frozen=True, slots=True)
+class JointSettings:
+    """How pose and expression are solved together; energies are in units of noise.
+
+    Attributes:
+        iterations: Most Gauss-Newton steps of a frame.
+        noise_px: Standard deviation of a landmark from its own place, whatever its size.
+        noise_mm: The part of it that grows with the face in the picture; also what the face's
+            shape is wrong by.
+        robust: Distance in noises at which a landmark counts a quarter.
+        outline_weight: Of the outline's landmarks, which stand for no fixed point.
+        slope: Cost of using a coefficient of the usual spread.
+        spread_scale: Of the coefficients' usual spreads.
+        memory: Usual change of a coefficient from frame to frame.
+        escape: Change at which a quarter of the memory is left.
+    """
+
+    iterations: int = 10
+    noise_px: float = 0.5
+    noise_mm: float = 1.0
+    robust: float = 6.0
+    outline_weight: float = 0.3
+    slope: float = 0.5
+    spread_scale: float = 1.5
+    memory: float = 0.1
+    escape: float = 0.1
+
+
+def paper_terms(settings: PaperSettings) -> PaperTerms:
+    """Return the paper's weights for the kernels."""
+    smooth = np.repeat([settings.rotation_smoothness, settings.translation_smoothness], 3)
+    constants = _BARRIERS.get(settings.bounds, _BARRIERS["printed"])
+    bounds = BOX if settings.bounds == "box" else BARRIER
+    return PaperTerms(smooth, settings.sparsity, np.array([_BARRIER_WEIGHT, *constants]), bounds)
+
+
+def joint_terms(settings: JointSettings) -> JointTerms:
+    """Return what the joint solver knows of coefficients, for the kernels."""
+    spreads = expression_spreads()
+    return JointTerms(
+        robust=settings.robust,
+        slope=settings.slope * USUAL_SPREAD / spreads,
+        precision=(settings.spread_scale * spreads) ** -2.0,
+        memory=np.full(len(spreads), settings.memory**-2.0),
+        escape=settings.escape,
+        jaw_open=EXPRESSION_NAMES.index("jawOpen"),
+        mouth_close=EXPRESSION_NAMES.index("mouthClose"),
+    )
+
+
+def predicted_pose(history: FloatArray, times_s: FloatArray, time_s: float) -> FloatArray:
+    """Return the pose (6,) without acceleration since the last two [FaceIt19, eq. 9].
+
+    Where frames were dropped the step is as much longer; a long gap is not looked across.
+
+    Args:
+        history: (2, 6) the last pose, then the one before: rotation vector and translation.
+        times_s: (2,) of them; NaN where there is none.
+        time_s: Of the new frame.
+    """
+    before_s, step_s = times_s[0] - times_s[1], time_s - times_s[0]
+    if not (before_s > 0 and step_s < 0.25 and before_s < 0.25):
+        return history[0].copy()
+    return np.asarray(history[0] + step_s / before_s * (history[0] - history[1]))
