@@ -1,13 +1,19 @@
-"""What every kind of tracking needs of the shipped files, loaded once."""
+"""What every kind of tracking needs of the shipped files, loaded once; the kinds of tracking."""
 
+import time
 from dataclasses import dataclass
 
 from app.resources import asset
 from core.aligner_bias import load_aligner_bias
 from core.alignment import FaceAligner
 from core.animation_prior import AnimationPrior, load_animation_prior
+from core.auto_live import AutoTracker
+from core.detection_policy import Detection
 from core.face_model import FaceModel, load_face_model
+from core.free_live import FreeTracker
+from core.landmark_flow import FlowSettings, LandmarkFollower
 from core.live import LiveTracker, User
+from core.records import Camera, UserBlendshapes
 from core.store import Profile
 
 
@@ -24,6 +30,25 @@ class Models:
     face_model: FaceModel
     aligner: FaceAligner
     prior: AnimationPrior
+
+
+@dataclass(frozen=True, slots=True)
+class Looking:
+    """How often the landmark network looks in the training-free mode.
+
+    Attributes:
+        detection: "every" frame, every so many frames, or "adaptive": when it is needed, as far
+            as a budget goes.
+        measured: Whether the budget is kept by measured times. Without, the same video always
+            gives the same track.
+    """
+
+    detection: Detection = "every"
+    measured: bool = False
+
+
+#: For live sources: as often as is needed and as this machine can.
+LIVE = Looking("adaptive", measured=True)
 
 
 def load_aligner() -> FaceAligner:
@@ -45,3 +70,26 @@ def live_tracker(models: Models, profile: Profile) -> LiveTracker:
     """Return a tracker that follows the person of a profile."""
     user = User(profile.camera, profile.user, profile.regressor)
     return LiveTracker(models.face_model, user, models.aligner, models.prior)
+
+
+def free_tracker(
+    models: Models, camera: Camera | None = None, looking: Looking = LIVE,
+    user: UserBlendshapes | None = None,
+) -> FreeTracker:  # fmt: skip
+    """Return a tracker that follows anybody without any setup.
+
+    Args:
+        models: The shipped models.
+        camera: The source's, None if it is not known.
+        looking: How often the network looks.
+        user: Whose face to begin with, None for the mean face.
+    """
+    clock = time.thread_time if looking.measured else None
+    follower = LandmarkFollower(models.aligner, FlowSettings(looking.detection), clock)
+    return FreeTracker(models.face_model, follower, camera, user=user)
+
+
+def auto_tracker(models: Models, profile: Profile, looking: Looking = LIVE) -> AutoTracker:
+    """Return a tracker that uses a profile as long as its person is there."""
+    free = free_tracker(models, profile.camera, looking, profile.user)
+    return AutoTracker(live_tracker(models, profile), free)

@@ -45,18 +45,14 @@ class StateBlend:
         self._duration_s = duration_s
         self._shown: FaceState | None = None
         self._gap: _Gap | None = None
-        self._changed, self._began_s = False, 0.0
-
-    def change(self) -> None:
-        """Take the next state for one of another tracker."""
-        self._changed = True
+        self._began_s = 0.0
 
     def reset(self) -> None:
         """Forget the past: the next state is shown as it is."""
-        self._shown, self._gap, self._changed = None, None, False
+        self._shown, self._gap = None, None
 
     def step(self, state: FaceState, camera: Camera) -> FaceState:
-        """Return the state to show.
+        """Return the state to show; another mode than before means another tracker.
 
         After a loss nothing is blended: where the face was does not bear on where it is now.
 
@@ -64,20 +60,15 @@ class StateBlend:
             state: Of the tracker that leads now.
             camera: Of the frame.
         """
-        if self._changed:
-            self._begin(state)
-        if state.lost:
-            self._gap = None
-        else:
-            state = self._bent(state, camera)
-        self._shown = state
-        return state
-
-    def _begin(self, state: FaceState) -> None:
-        shown, self._changed = self._shown, False
+        shown = self._shown
         if shown is None or shown.lost or state.lost or state.time_s < shown.time_s:
             self._gap = None
-            return
+        elif state.mode != shown.mode:
+            self._begin(shown, state)
+        self._shown = self._bent(state, camera)
+        return self._shown
+
+    def _begin(self, shown: FaceState, state: FaceState) -> None:
         self._began_s = shown.time_s
         back = state.rotation_wxyz * [1, -1, -1, -1]
         self._gap = _Gap(

@@ -1,0 +1,139 @@
+"""The trained regressor where it fits the face, the training-free tracker where it does not.
+
+Tracking begins without training and goes over to the regressor as soon as the face is known to be
+the profile's and the regressor agrees with the landmarks. It comes back when another face takes
+the place, or when the regressor fails. Only one of both works on a frame; the generic aligner's
+looks, which both need now and then, are where they are compared.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from core.agreement import Look
+from core.free_live import FreeTracker
+from core.geometry import matrix_from_quaternion, rotation_facing_camera
+from core.live import LiveTracker
+from core.mode_blend import StateBlend
+from core.profile_match import MatchSettings, ProfileMatch
+from core.records import Camera, FaceState, Frame, Landmarks2D
+
+
+@dataclass(frozen=True, slots=True)
+class AutoSettings:
+    """When to change over, and how.
+
+    Attributes:
+        match: Whether the face is the profile's.
+        patience: Frames without the regressor, the face being seen, after which it has failed.
+        agreement: Distance of the regressor from the aligner, in parts of the face's size, up to
+            which it is taken back.
+        first_looks: Frames in a row in which the regressor is tried at the beginning.
+        try_every: Frames between two tries after that; each costs about 10 ms.
+        unsure_every: Frames between the aligner's looks while the regressor leads and the match
+            is in question.
+        blend_s: Time in which the difference between both is let go.
+    """
+
+    match: MatchSettings = field(default_factory=MatchSettings)
+    patience: int = 3
+    agreement: float = 0.06
+    first_looks: int = 5
+    try_every: int = 10
+    unsure_every: int = 5
+    blend_s: float = 0.2
+
+
+class AutoTracker:
+    """Turns frames into face states, by whichever tracker does it better."""
+
+    def __init__(
+        self, trained: LiveTracker, free: FreeTracker, settings: AutoSettings | None = None
+    ) -> None:
+        """Join two trackers of one source.
+
+        Args:
+            trained: Of the profile.
+            free: With the profile's camera: both must mean the same by a millimetre.
+            settings: When to change over.
+        """
+        self._trained, self._free = trained, free
+        self._settings = settings or AutoSettings()
+        self._match = ProfileMatch(self._settings.match)
+        self._blend = StateBlend(self._settings.blend_s)
+        self._trained_leads = False
+        self._failed, self._seen = 0, 0
+
+    @property
+    def camera(self) -> Camera:
+        """The camera in pixels of the last frame."""
+        return self._trained.camera if self._trained_leads else self._free.camera
+
+    def reset(self) -> None:
+        """Forget the past, as after a cut."""
+        self._trained.reset()
+        self._free.reset()
+        self._match.reset()
+        self._blend.reset()
+        self._trained_leads, self._failed, self._seen = False, 0, 0
+
+    def step(self, frame: Frame) -> FaceState:
+        """Return the face in a frame; `lost` and the last good state where there is none."""
+        state = self._step_trained(frame) if self._trained_leads else self._step_free(frame)
+        return self._blend.step(state, self.camera)
+
+    def _step_trained(self, frame: Frame) -> FaceState:
+        state = self._trained.step(frame)
+        if state.lost:
+            self._match.reset()
+            return state
+        look = self._trained.look
+        if look is not None:
+            self._weigh(look, state)
+        if not self._match.is_own:
+            self._trained.look_within(self._settings.unsure_every)
+        self._failed = 0 if self._trained.follows else self._failed + 1
+        if self._failed < self._settings.patience and not self._match.is_other:
+            return state
+        self._trained_leads, self._seen = False, 0
+        self._free.reset()
+        return self._step_free(frame)
+
+    def _step_free(self, frame: Frame) -> FaceState:
+        state = self._free.step(frame)
+        if state.lost:
+            self._match.reset()
+            self._seen = 0
+            return state
+        self._seen += 1
+        landmarks = self._free.looked
+        if landmarks is not None and self._is_time_to_try():
+            self._try(frame, landmarks, state)
+        return state
+
+    def _is_time_to_try(self) -> bool:
+        if self._seen <= self._settings.first_looks:
+            return True
+        return self._seen % self._settings.try_every == 0
+
+    def _try(self, frame: Frame, landmarks: Landmarks2D, state: FaceState) -> None:
+        """Let the regressor try this frame; from the next one on it leads if it does well."""
+        look = self._trained.begin_at(frame, landmarks)
+        if look is None:
+            return
+        self._weigh(look, state)
+        agrees = look.agrees and look.disagreement < self._settings.agreement
+        if agrees and self._match.is_own:
+            self._trained_leads, self._failed = True, 0
+
+    def _weigh(self, look: Look, state: FaceState) -> None:
+        misfit = self._trained.misfit(look.landmarks)
+        if misfit is not None:
+            self._match.weigh(look, misfit, turned_rad(state))
+
+
+def turned_rad(state: FaceState) -> float:
+    """Return the angle between the head's direction and the line to the camera."""
+    rotation = matrix_from_quaternion(state.rotation_wxyz)
+    facing = rotation_facing_camera(state.translation_mm)
+    return float(np.arccos(np.clip(rotation[:, 2] @ facing[:, 2], -1.0, 1.0)))
