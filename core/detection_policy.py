@@ -7,7 +7,6 @@ The fuller the account, the smaller a sign is enough to look.
 from dataclasses import dataclass
 from typing import Literal
 
-
 #: "every" frame, every n-th frame for a number, or as the signs and the account ask for.
 Detection = Literal["every", "adaptive"] | int
 
