@@ -14,8 +14,9 @@ from core.records import BoolArray, FloatArray, Landmarks2D
 
 N_POINTS = N_LANDMARKS + 2
 PUPIL_NAMES = ("R_pupil", "L_pupil")
-#: How far along a curve its points follow a dragged one, as a share of the curve's length.
-REACH = 0.35
+#: How far along a curve its points follow a dragged one, as a share of the curve's length: on an
+#: open curve, on a closed one.
+REACH_OPEN, REACH_CLOSED = 0.4, 0.25
 
 
 def points_of(landmarks: Landmarks2D) -> FloatArray:
@@ -74,9 +75,10 @@ def _followers(points_px: FloatArray, index: int) -> FloatArray:
         places = np.concatenate([[0.0], np.cumsum(along)])
         length = max(float(places[-1]), 1e-9)
         distance = np.abs(places - places[curve.index(index)])
+        reach = REACH_OPEN
         if curve[0] == curve[-1]:
-            distance = np.minimum(distance, length - distance)
-        near = np.clip(distance / (REACH * length), 0.0, 1.0)
+            reach, distance = REACH_CLOSED, np.minimum(distance, length - distance)
+        near = np.clip(distance / (reach * length), 0.0, 1.0)
         np.maximum.at(weights, list(curve), 0.5 * (1 + np.cos(np.pi * near)))
     return weights
 

@@ -28,7 +28,7 @@ class ProfileMaker(QObject):
     """Runs the steps that make a profile and tells how far they are."""
 
     progressed = Signal(str, int)  # what is done and how long it takes, percent
-    made = Signal(object)  # MadeProfile
+    made = Signal(object)  # what the steps return: MadeProfile, or a text for people
     failed = Signal(object)  # CoreError or AppError
     finished = Signal()  # in any case, also after a cancel or an error of the program
 
@@ -44,7 +44,7 @@ class ProfileMaker(QObject):
         """Whether a profile is being made."""
         return self._job is not None
 
-    def start(self, steps: Generator[Progress, None, MadeProfile]) -> None:
+    def start(self, steps: Generator[Progress, None, object]) -> None:
         """Begin; only while not busy."""
         self._started_s = self._clock()
         self._cancelled = False
