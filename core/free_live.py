@@ -33,6 +33,7 @@ from core.records import (
     UserBlendshapes,
 )
 from core.tracker import BLINKS
+from core.usual_rotation import UsualRotation
 
 #: An unknown camera: pictures of a usual webcam, the focal length as long as they are wide.
 UNKNOWN_CAMERA = camera_for((640, 480), 640.0)
@@ -97,6 +98,7 @@ class FreeTracker:
         )
         self._gaze = GazeFilter(self._settings.gaze)
         self._radii = np.full(2, float(model.eyeball_radius_mm))
+        self._usual = UsualRotation()
         self._size_px = self._home.size_px
         self._followed: Followed | None = None
         self._last = resting_state("free")
@@ -108,8 +110,12 @@ class FreeTracker:
 
     @property
     def user(self) -> UserBlendshapes:
-        """The best face found so far. The first question after a better one takes some 20 ms."""
-        return self._user.user if isinstance(self._user, Personal) else self._user
+        """The best face found so far, and how it usually looks at the screen.
+
+        The first question after a better one takes some 20 ms.
+        """
+        known = self._user.user if isinstance(self._user, Personal) else self._user
+        return replace(known, rest_wxyz=self._usual.rotation_wxyz(known.rest_wxyz))
 
     @property
     def settled(self) -> bool:
@@ -192,6 +198,7 @@ class FreeTracker:
     def _learn(self, landmarks: Landmarks2D, solved: Solved, time_s: float) -> None:
         """Show the frame to the search for the person's face, and use a better face."""
         if self.looked is not None:
+            self._usual.add(solved.rotation_wxyz, solved.translation_mm, time_s)
             self._identity.offer(
                 landmarks, solved.expression, solved.rotation_wxyz, solved.translation_mm,
                 self._last.confidence,

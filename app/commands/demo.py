@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from app.commands.progress import TerminalProgress, duration
-from app.commands.track import seen_by, track
+from app.commands.track import track
 from app.errors import OutputError
 from app.models import Models, live_tracker, load_models
 from app.painting import OWN, AvatarPainter, make_avatar
@@ -31,6 +31,7 @@ from app.recording.sink import PartialFile
 from app.recording.track_file import TrackFile
 from app.recording.video import SideBySideVideo
 from app.setup_steps import from_folder, keep, listed, make_profile
+from core.camera import seen_by
 from core.evaluation import Truth, against_truth
 from core.generations import check_target
 from core.plain_json import json_text

@@ -1,4 +1,4 @@
-"""`facepuppet evaluate PROFILE SOURCE`: a track against the generic aligner, frame by frame."""
+"""`facepuppet evaluate [PROFILE] SOURCE`: a track against the generic aligner, frame by frame."""
 
 import argparse
 import sys
@@ -9,9 +9,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from app.capture.source import FrameSource, expected_frames
+from app.commands.modes import FrameTracker, add_source_and_mode, way_of
 from app.commands.progress import TerminalProgress
-from app.commands.track import FrameTracker
-from app.profiles import profile_folder
 from app.sources import open_source
 from core.alignment import Alignment
 from core.evaluation import against_reference
@@ -33,21 +32,19 @@ class ReferenceAligner(Protocol):
 def add_parser(commands: Any) -> None:
     """Add the command and its options."""
     parser = commands.add_parser("evaluate", help=DESCRIPTION, description=DESCRIPTION)
-    parser.add_argument("profile", metavar="PROFILE", help="name or path of a profile")
-    parser.add_argument("source", metavar="SOURCE", help="video file or folder of images")
+    add_source_and_mode(parser)
     parser.add_argument("--json", action="store_true", help="print the report as JSON")
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
     """Track, align, compare; return the exit code."""
-    from app.models import live_tracker, load_models
-    from core.store import load
+    from app.models import load_models
 
-    profile = load(profile_folder(args.profile))
-    models = load_models()
+    way = way_of(args)
     with open_source(args.source) as source:
-        steps = evaluate(source, live_tracker(models, profile), models.aligner)
+        models = load_models()
+        steps = evaluate(source, way.tracker(models, source, args.source), models.aligner)
         report = TerminalProgress(sys.stderr).follow(steps)
     text = json_text(report) if args.json else report_text(report)
     sys.stdout.write(text + "\n")

@@ -1,4 +1,4 @@
-"""`facepuppet track PROFILE SOURCE`: follow a face through a video, images or a camera."""
+"""`facepuppet track [PROFILE] SOURCE`: follow a face through a video, images or a camera."""
 
 import argparse
 import signal
@@ -9,14 +9,14 @@ from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from app.capture.source import FrameSource, expected_frames
+from app.commands.modes import FrameTracker, Way, add_source_and_mode, way_of
 from app.commands.progress import TerminalProgress
 from app.painting import AVATARS, OWN, AvatarPainter, make_avatar
-from app.profiles import profile_folder
 from app.recording.outputs import Outputs
 from app.recording.table import Table
 from app.recording.track_file import TrackFile
@@ -24,24 +24,14 @@ from app.recording.video import SideBySideVideo
 from app.sources import open_source
 from core.camera import camera_for
 from core.plain_json import json_text
-from core.records import Camera, FaceState, Frame, Progress
+from core.records import Camera, Progress, UserBlendshapes
 
-DESCRIPTION = "Track a video file, a folder of images or a camera with a profile."
+if TYPE_CHECKING:
+    from app.models import Models
+
+DESCRIPTION = "Track a video file, a folder of images or a camera, with or without a profile."
 #: Output suffixes of --out.
 ARRAYS, TABLE = ".npz", ".csv"
-
-
-class FrameTracker(Protocol):
-    """What a track needs of the live tracker."""
-
-    @property
-    def camera(self) -> Camera:
-        """The camera in pixels of the last frame."""
-        ...
-
-    def step(self, frame: Frame) -> FaceState:
-        """Return the face in a frame."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,12 +54,7 @@ class TrackSummary:
 def add_parser(commands: Any) -> None:
     """Add the command and its options."""
     parser = commands.add_parser("track", help=DESCRIPTION, description=DESCRIPTION)
-    parser.add_argument("profile", metavar="PROFILE", help="name or path of a profile")
-    parser.add_argument(
-        "source",
-        metavar="SOURCE",
-        help="video file, folder of images, 'camera', 'camera:1', 'performer'",
-    )
+    add_source_and_mode(parser)
     parser.add_argument(
         "--out", metavar="FILE", type=output_path, action="append", default=[],
         help="write the track: .npz arrays or .csv table; may be given twice",
@@ -78,7 +63,6 @@ def add_parser(commands: Any) -> None:
         "--video", metavar="FILE", type=Path, help="write the source beside the avatar: .mp4"
     )
     parser.add_argument("--avatar", choices=AVATARS, default=OWN, help="the avatar of --video")
-    parser.add_argument("--mode", choices=["trained"], default="trained", help="way of tracking")
     parser.add_argument("--frames", type=int, metavar="N", help="stop after N frames")
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")
     parser.set_defaults(run=run)
@@ -94,23 +78,19 @@ def output_path(text: str) -> Path:
 
 def run(args: argparse.Namespace) -> int:
     """Track and write; return the exit code."""
-    from app.models import live_tracker, load_models
-    from core.store import load
+    from app.models import load_models
 
-    profile = load(profile_folder(args.profile))
+    way = way_of(args)
+    size_px = (640, 480) if way.profile is None else way.profile.camera.size_px
     with ExitStack() as opened:
-        source = opened.enter_context(open_source(args.source, profile.camera.size_px))
+        source = opened.enter_context(open_source(args.source, size_px))
         outputs = opened.enter_context(Outputs())
         models = load_models()
-        tracker = live_tracker(models, profile)
+        tracker = way.tracker(models, source, args.source)
         for path in args.out:
-            outputs.add(_file_sink(path, lambda: tracker.camera))
+            outputs.add(_file_sink(path, lambda: tracker.camera, way.mode))
         if args.video:
-            avatar = make_avatar(args.avatar, models.face_model, profile.user)
-            painter = AvatarPainter(avatar, seen_by(profile.camera, source.size_px), profile.user)
-            opened.callback(painter.release)
-            video = SideBySideVideo(args.video, source.fps, source.size_px, painter.paint)
-            outputs.add(video)
+            outputs.add(_film(args, models, source, user_of(way, tracker, source), opened))
         stopped = opened.enter_context(interrupt_ends(source.live))
         steps = track(source, tracker, outputs, args.frames, stopped)
         summary = TerminalProgress(sys.stderr).follow(steps)
@@ -118,9 +98,26 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def seen_by(camera: Camera, size_px: tuple[int, int]) -> Camera:
-    """Return the camera of the same view in pictures of another width."""
-    return camera_for(size_px, camera.focal_px * size_px[0] / camera.size_px[0])
+def user_of(way: Way, tracker: FrameTracker, source: FrameSource) -> UserBlendshapes | None:
+    """Return whose head the own avatar has, None where it is not known before tracking."""
+    from core.free_live import FreeTracker
+
+    if way.profile is not None:
+        return way.profile.user
+    learned = isinstance(tracker, FreeTracker) and not source.live
+    return tracker.user if learned else None
+
+
+def _film(
+    args: argparse.Namespace, models: "Models", source: FrameSource,
+    user: UserBlendshapes | None, opened: ExitStack,
+) -> SideBySideVideo:  # fmt: skip
+    """Return the film of source and avatar; its painter is released with what is opened."""
+    avatar = make_avatar(args.avatar, models.face_model, user)
+    # A portrait needs the size of the pictures, not the focal length.
+    painter = AvatarPainter(avatar, camera_for(source.size_px, max(source.size_px)), user)
+    opened.callback(painter.release)
+    return SideBySideVideo(args.video, source.fps, source.size_px, painter.paint)
 
 
 def track(
@@ -181,8 +178,8 @@ def _note(source: FrameSource, most_frames: int | None) -> str:
     return ""
 
 
-def _file_sink(path: Path, camera: Callable[[], Camera]) -> Any:
-    return TrackFile(path, camera) if path.suffix.lower() == ARRAYS else Table(path)
+def _file_sink(path: Path, camera: Callable[[], Camera], mode: str) -> Any:
+    return TrackFile(path, camera, mode) if path.suffix.lower() == ARRAYS else Table(path)
 
 
 def _tell(summary: TrackSummary, args: argparse.Namespace) -> None:

@@ -16,17 +16,18 @@ from core.records import Camera, FaceState, Frame
 class TrackFile:
     """Collects the states of a track and writes them as .npz at the end."""
 
-    def __init__(self, path: Path, camera: Callable[[], Camera]) -> None:
+    def __init__(self, path: Path, camera: Callable[[], Camera], mode: str = "trained") -> None:
         """Claim the file.
 
         Args:
             path: Ends in .npz.
             camera: Tells at the end of the track which camera made its frames.
+            mode: "trained" or "free", or "auto" where each frame has its own.
 
         Raises:
             OutputError: Nothing can be written there.
         """
-        self._part, self._camera = PartialFile(path), camera
+        self._part, self._camera, self._mode = PartialFile(path), camera, mode
         self._states: list[FaceState] = []
 
     def write(self, frame: Frame, state: FaceState) -> None:
@@ -41,9 +42,8 @@ class TrackFile:
         """
         try:
             with self._part.path.open("wb") as file:
-                np.savez_compressed(
-                    file, allow_pickle=False, **track_arrays(self._states, self._camera())
-                )
+                arrays = track_arrays(self._states, self._camera(), self._mode)
+                np.savez_compressed(file, allow_pickle=False, **arrays)
         except OSError as error:
             self._part.discard()
             raise OutputError(self._part.target, reason(error)) from None
@@ -54,15 +54,21 @@ class TrackFile:
         self._part.discard()
 
 
-def track_arrays(states: Sequence[FaceState], camera: Camera) -> dict[str, NDArray[Any]]:
+def track_arrays(states: Sequence[FaceState], camera: Camera, mode: str) -> dict[str, NDArray[Any]]:
     """Return a track of N frames as named arrays.
+
+    Args:
+        states: Of the frames.
+        camera: That made them.
+        mode: Of the whole track.
 
     Returns:
         time_s (N,) float64; lost (N,) bool; confidence (N,); landmarks_px (N, 75, 2);
         shape_mm (N, 75, 3) camera frame; rotation_wxyz (N, 4) and translation_mm (N, 3) model to
         camera; expression (N, 46) and arkit (N, 52), both in [0, 1], with expression_names and
-        arkit_names; focal_px (); size_px (2,) width and height; mode (). Numbers without a type
-        here are float32.
+        arkit_names; focal_px (); size_px (2,) width and height; mode (); with the mode "auto" also
+        frame_mode (N,), the way in which each frame was solved. Numbers without a type here are
+        float32.
     """
 
     def column(name: str, shape: tuple[int, ...]) -> NDArray[Any]:
@@ -71,7 +77,7 @@ def track_arrays(states: Sequence[FaceState], camera: Camera) -> dict[str, NDArr
 
     gaze_rad = column("gaze_rad", (2, 2)).astype(float)
     expression = column("expression", (len(EXPRESSION_NAMES),))
-    return {
+    arrays = {
         "time_s": np.array([state.time_s for state in states], np.float64),
         "lost": np.array([state.lost for state in states], np.bool_),
         "confidence": column("confidence", ()),
@@ -85,5 +91,8 @@ def track_arrays(states: Sequence[FaceState], camera: Camera) -> dict[str, NDArr
         "arkit_names": np.array(ARKIT_NAMES),
         "focal_px": np.array(camera.focal_px, np.float32),
         "size_px": np.array(camera.size_px, np.int32),
-        "mode": np.array(states[0].mode if states else "trained"),
+        "mode": np.array(mode),
     }
+    if mode == "auto":
+        arrays["frame_mode"] = np.array([state.mode for state in states], dtype="U7")
+    return arrays

@@ -91,6 +91,17 @@ def test_setup_into_an_unwritable_place(capsys, tmp_path, source):
     assert "cannot write the profile" in message and "unchanged" in message
 
 
+def test_modes_that_do_not_go_with_the_rest_are_refused(capsys, source):
+    for mode in ("trained", "auto"):
+        message = refused(capsys, "track", "--mode", mode, source)
+        assert "needs a profile" in message and "--mode free" in message
+    for mode in ("trained", "auto"):
+        message = refused(capsys, "track", "anna", source, "--mode", mode, "--focal", "500")
+        assert "the profile has the focal length" in message
+    message = refused(capsys, "evaluate", "anna", source, "--detection", "adaptive")
+    assert "does not go with --mode trained" in message
+
+
 def test_a_bad_profile_name_is_refused(capsys, source):
     assert "is no name for a profile" in refused(capsys, "setup", "a:b", source)
 
@@ -103,7 +114,8 @@ def test_an_absent_camera_is_no_setup_source(capsys):
     "arguments, said",
     [
         (["track", "anna", "clip.mp4", "--out", "track.txt"], "expected a name ending in .npz"),
-        (["track", "anna"], "required: SOURCE"),
+        (["track"], "required: SOURCE"),
+        (["track", "clip.mp4", "--detection", "0"], "every, adaptive, or a number above 0"),
         (["setup", "anna", "clip.mp4", "--focal", "-3"], "above 0"),
         (["setup", "anna", "clip.mp4", "--focal", "wide"], "--focal"),
         (["nonsense"], "invalid choice"),

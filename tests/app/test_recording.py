@@ -1,4 +1,5 @@
 import csv
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -66,6 +67,17 @@ def test_track_file_holds_the_documented_arrays(tmp_path, rng):
         np.testing.assert_allclose(track["arkit"][:, jaw], [0, 0.1, 0.2], rtol=1e-6)
         looks = list(track["arkit_names"]).index("eyeLookUpLeft")
         np.testing.assert_allclose(track["arkit"][:, looks], 0.5, rtol=1e-6)
+
+
+def test_a_track_of_both_modes_tells_that_of_each_frame(tmp_path, rng):
+    sink = TrackFile(tmp_path / "t.npz", lambda: CAMERA, "auto")
+    with Outputs() as outputs:
+        outputs.add(sink)
+        for n, mode in enumerate(("free", "free", "trained")):
+            outputs.write(make_frame(n), replace(make_state(rng, n), mode=mode))
+    with np.load(tmp_path / "t.npz", allow_pickle=False) as track:
+        assert track["mode"] == "auto"
+        assert track["frame_mode"].tolist() == ["free", "free", "trained"]
 
 
 def test_a_track_without_frames_has_the_same_arrays(tmp_path, rng):
