@@ -95,7 +95,6 @@ def solver_face(face: Face, rows: I32) -> SolverFace:
     tables = FaceTables(
         neutral=np.ascontiguousarray(neutral[:, columns]),
         deltas=np.ascontiguousarray(deltas[:, :, columns]),
-        supports=np.zeros((len(deltas), 2), np.int32),
         strip_neutral=np.ascontiguousarray(neutral[:, along]),
         strip_deltas=np.ascontiguousarray(deltas[:, :, along]),
         strip_starts=starts.astype(np.int32),

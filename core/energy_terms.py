@@ -111,5 +111,6 @@ def predicted_pose(history: FloatArray, times_s: FloatArray, time_s: float) -> F
     """
     before_s, step_s = times_s[0] - times_s[1], time_s - times_s[0]
     if not (before_s > 0 and step_s < 0.25 and before_s < 0.25):
-        return history[0].copy()
-    return np.asarray(history[0] + step_s / before_s * (history[0] - history[1]))
+        return np.array(history[0])
+    ahead: FloatArray = history[0] + step_s / before_s * (history[0] - history[1])
+    return ahead
