@@ -12,7 +12,10 @@ really there; `setup_pictures()` gives the 60 prompted poses.
 | `sensor` | clean picture -> webcam picture: softness, exposure, noise, compression |
 | `people` | who performs; none is in the face model's span |
 | `posture` | head angles -> where head and body are |
-| `takes`, `acts`, `curves` | what is done when |
+| `takes`, `acts`, `measured`, `curves` | what is done when |
 | `prompts` | the setup session, done as people do it |
-| `room`, `lights`, `cap`, `pacing` | the set, the lamps, a cap, the clock |
+| `conditions` | what makes a face harder to follow: worn or held things, bad light |
+| `props` | those things placed in each picture: `glasses`, `hand`, `microphone`, `cap`, `growth` |
+| `shapes` | meshes of things: tubes, turned bodies, surfaces of fields |
+| `room`, `lights`, `pacing` | the set, the lamps, the clock |
 """

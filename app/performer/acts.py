@@ -213,11 +213,15 @@ def oscillate(amplitude: Sequence[float], rate_hz: float, cycles: float) -> Act:
     return Act(np.zeros((len(times), _N)), np.deg2rad(moved[:, :3]), moved[:, 3:])
 
 
-def pull_faces(names: Sequence[str], rng: np.random.Generator) -> Act:
-    """Return the named FACES one after the other, each at its own speed and a bit uneven."""
+def pull_faces(
+    names: Sequence[str],
+    rng: np.random.Generator,
+    faces: Mapping[str, Mapping[str, float]] = FACES,
+) -> Act:
+    """Return the named faces one after the other, each at its own speed and a bit uneven."""
     knots, poses, time = [0.0], [np.zeros(_N)], 0.2
     for name in names:
-        face = weights(FACES[name]) * rng.uniform(0.8, 1.08) * rng.normal(1, 0.05, _N)
+        face = weights(faces[name]) * rng.uniform(0.8, 1.08) * rng.normal(1, 0.05, _N)
         rise, hold, fall = rng.uniform(0.18, 0.45), rng.uniform(0.15, 0.5), rng.uniform(0.2, 0.5)
         knots += [time, time + rise, time + rise + hold]
         poses += [np.zeros(_N), np.clip(face, 0, 1), np.clip(face * 0.95, 0, 1)]

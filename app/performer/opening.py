@@ -4,11 +4,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from app.avatars.wardrobe import load_wardrobe
+from app.performer.conditions import (
+    CONDITIONS,
+    DIM,
+    DIM_SENSOR,
+    check_conditions,
+    dimmed,
+    dimmed_room,
+)
 from app.performer.lights import LIGHTS
 from app.performer.people import CAST, load_person
 from app.performer.performer import FPS, Filming, VirtualPerformer
 from app.performer.prompts import setup_take
 from app.performer.room import paint_room
+from app.performer.sensor import SensorSettings
 from app.performer.stage import Setting
 from app.performer.takes import TAKES, Take, make_take
 from app.resources import asset
@@ -24,6 +33,7 @@ SETUP = "setup"
 TAKE_NAMES: tuple[str, ...] = (*TAKES, SETUP)
 PEOPLE: tuple[str, ...] = tuple(CAST)
 LIGHT_NAMES: tuple[str, ...] = tuple(LIGHTS)
+CONDITION_NAMES: tuple[str, ...] = tuple(CONDITIONS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +47,7 @@ class Scenario:
         focal_px: Focal length of the webcam for pictures 640 wide.
         size_px: (width, height) of the pictures.
         seed: Of the take's details, the room and the noise.
+        conditions: Some of CONDITION_NAMES: what the person wears or holds, bad light.
     """
 
     take: str = "mixed"
@@ -45,6 +56,7 @@ class Scenario:
     focal_px: float = 620.0
     size_px: tuple[int, int] = (640, 480)
     seed: int = 0
+    conditions: tuple[str, ...] = ()
 
 
 def open_performer(
@@ -62,7 +74,8 @@ def open_performer(
         PeopleFileError: The performers cannot be read; FaceModelFileError, AvatarFileError alike.
     """
     scenario = scenario or Scenario()
-    return _filmed(scenario, _take(scenario), Filming(scenario.seed, live, loop))
+    filming = Filming(scenario.seed, live, loop, sensor=_sensor(scenario))
+    return _filmed(scenario, _take(scenario), filming)
 
 
 def setup_pictures(scenario: Scenario | None = None) -> list[tuple[str, Frame, Truth]]:
@@ -73,7 +86,9 @@ def setup_pictures(scenario: Scenario | None = None) -> list[tuple[str, Frame, T
     """
     scenario = scenario or Scenario()
     session = setup_take(scenario.seed)
-    with _filmed(scenario, session.take, Filming(scenario.seed)) as performer:
+    with _filmed(
+        scenario, session.take, Filming(scenario.seed, sensor=_sensor(scenario))
+    ) as performer:
         indices = [round(float(time_s) * FPS) for time_s in session.times_s]
         return _pictures(performer, session.names, indices)
 
@@ -96,14 +111,22 @@ def _take(scenario: Scenario) -> Take:
 def _filmed(scenario: Scenario, take: Take, filming: Filming) -> VirtualPerformer:
     if scenario.light not in LIGHTS:
         raise ValueError(f"no light is called {scenario.light!r}; there are {', '.join(LIGHTS)}")
+    check_conditions(scenario.conditions)
     model = load_face_model(asset("face_model.npz"))
     focal_px = scenario.focal_px * scenario.size_px[0] / 640
+    lights, room = LIGHTS[scenario.light], paint_room(scenario.size_px, scenario.seed)
+    dim = DIM in scenario.conditions
     setting = Setting(
         model,
         load_person(asset("people.npz"), model, scenario.person),
         load_wardrobe(asset("."), model),
         camera_for(scenario.size_px, focal_px),
-        LIGHTS[scenario.light],
-        paint_room(scenario.size_px, scenario.seed),
+        dimmed(lights) if dim else lights,
+        dimmed_room(room) if dim else room,
+        scenario.conditions,
     )
     return VirtualPerformer(take, setting, filming)
+
+
+def _sensor(scenario: Scenario) -> SensorSettings:
+    return DIM_SENSOR if DIM in scenario.conditions else SensorSettings()

@@ -52,7 +52,8 @@ class VirtualPerformer(ClosedOnExit):
     def __init__(self, take: Take, setting: Setting, filming: Filming | None = None) -> None:
         self._take, self._setting = take, setting
         self._filming = filming = filming or Filming()
-        self.name = f"virtual performer ({setting.person.name}, {take.name})"
+        what = ", ".join((setting.person.name, take.name, *setting.conditions))
+        self.name = f"virtual performer ({what})"
         self.size_px, self.live = setting.camera.size_px, filming.live
         usual_focal_px = setting.camera.focal_px * 640 / self.size_px[0]
         self._script = Script(take, setting.person, setting.model, usual_focal_px)
@@ -149,7 +150,7 @@ class VirtualPerformer(ClosedOnExit):
     def _clean(self, time_s: float) -> U8:
         truth = self._script.truth(time_s)
         posture = self._script.posture(time_s)
-        return self._build().shoot(truth.expression, truth.gaze_rad, posture)
+        return self._build().shoot(truth.expression, truth.gaze_rad, posture, time_s)
 
     def _build(self) -> Stage:
         if self._stage is None:

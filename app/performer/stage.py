@@ -6,11 +6,14 @@ import numpy as np
 
 from app.avatars.build import Head, dressed
 from app.avatars.wardrobe import Wardrobe
-from app.performer.cap import cap_mesh, knit
+from app.performer.conditions import BEARD
+from app.performer.growth import bearded
 from app.performer.people import CAST, Person
 from app.performer.posture import Posture
+from app.performer.props import Props, props_of
+from app.render.avatar import Avatar
 from app.render.puppet import Puppet
-from app.render.renderer import Item, Renderer, Scene
+from app.render.renderer import Renderer, Scene
 from app.render.scene import Lights, View
 from core.face_model import FaceModel
 from core.records import F32, U8, Camera, FloatArray
@@ -27,6 +30,7 @@ class Setting:
         camera: Of the webcam.
         lights: In the room.
         room: (H, W, 3) what is behind the person.
+        conditions: Keys of CONDITIONS: what the person wears or holds.
     """
 
     model: FaceModel
@@ -35,6 +39,7 @@ class Setting:
     camera: Camera
     lights: Lights
     room: U8
+    conditions: tuple[str, ...] = ()
 
 
 class Stage:
@@ -43,32 +48,44 @@ class Stage:
     def __init__(self, setting: Setting) -> None:
         self._setting = setting
         self._renderer = Renderer()
-        model, person, role = setting.model, setting.person, CAST[setting.person.name]
-        head = Head(model, person.neutral_mm, person.deltas_mm)
-        avatar = dressed(head, role.looks, setting.wardrobe, person.name)
-        self._puppet = Puppet(self._renderer, avatar)
-        self._worn = []
-        if role.cap is not None:
-            cap = cap_mesh(setting.wardrobe.scalp, person.neutral_mm, model.mean_mm)
-            wool = knit(role.cap, np.random.default_rng(role.row))
-            self._worn.append(self._renderer.upload(cap, wool))
+        model, person, wardrobe = setting.model, setting.person, setting.wardrobe
+        self._puppet = Puppet(self._renderer, made_up(setting))
+        props = props_of(model, person, wardrobe, setting.conditions)
+        self._props = Props(self._renderer, props)
 
-    def shoot(self, expression: FloatArray, gaze_rad: FloatArray, posture: Posture) -> U8:
-        """Return the clean picture (H, W, 3) of one moment."""
-        picture = self._renderer.draw(self._scene(expression, gaze_rad, posture))
+    def shoot(
+        self, expression: FloatArray, gaze_rad: FloatArray, posture: Posture, time_s: float = 0.0
+    ) -> U8:
+        """Return the clean picture (H, W, 3) of one moment; the time moves what is held."""
+        picture = self._renderer.draw(self._scene(expression, gaze_rad, posture, time_s))
         return np.ascontiguousarray(picture[..., :3])
 
-    def depth_mm(self, expression: FloatArray, gaze_rad: FloatArray, posture: Posture) -> F32:
+    def depth_mm(
+        self, expression: FloatArray, gaze_rad: FloatArray, posture: Posture, time_s: float = 0.0
+    ) -> F32:
         """Return the distance (H, W) along z of what each pixel of that picture shows."""
-        return self._renderer.depth_mm(self._scene(expression, gaze_rad, posture))
+        return self._renderer.depth_mm(self._scene(expression, gaze_rad, posture, time_s))
 
-    def _scene(self, expression: FloatArray, gaze_rad: FloatArray, posture: Posture) -> Scene:
+    def _scene(
+        self, expression: FloatArray, gaze_rad: FloatArray, posture: Posture, time_s: float
+    ) -> Scene:
         head, body = posture.head_to_camera, posture.body_to_camera
         items = self._puppet.items(expression, gaze_rad, head, body)
-        items += [Item(drawable, head, body) for drawable in self._worn]
+        items += self._props.items(posture, time_s)
         setting = self._setting
         return Scene(View(setting.camera), setting.lights, items, setting.room)
 
     def release(self) -> None:
         """Free the renderer."""
         self._renderer.release()
+
+
+def made_up(setting: Setting) -> Avatar:
+    """Return the person's avatar, with a beard if the conditions ask for one."""
+    person, wardrobe = setting.person, setting.wardrobe
+    head, looks = Head(setting.model, person.neutral_mm, person.deltas_mm), CAST[person.name].looks
+    if BEARD not in setting.conditions:
+        return dressed(head, looks, wardrobe, person.name)
+    # The skin under a beard is dark with its roots.
+    stubbled = looks.changed(beard=1.0)
+    return bearded(dressed(head, stubbled, wardrobe, person.name), head, looks, wardrobe)

@@ -8,6 +8,7 @@ import numpy as np
 from app.performer import acts
 from app.performer.acts import Act
 from app.performer.curves import blinks, saccades, wander
+from app.performer.measured import asymmetric, head_motion, statue
 from core.arkit import EXPRESSION_NAMES
 from core.geometry import matrix_from_head_angles
 from core.records import FloatArray, freeze
@@ -91,6 +92,8 @@ def make_take(name: str, seed: int = 0) -> Take:
     # The name's own numbers keep the takes of one seed from sharing their blinks and sway.
     rng = np.random.default_rng([seed, *name.encode()])
     act = TAKES[name](rng)
+    if name in LIFELESS:
+        return animate(name, act, np.zeros(len(act.expression)), rng, liveliness=0.0)
     lids = blinks(np.arange(len(act.expression)) / acts.RATE_HZ, rng, 3.0)
     return animate(name, act, lids, rng)
 
@@ -212,4 +215,9 @@ TAKES: dict[str, Callable[[np.random.Generator], Act]] = {
     "fast_motion": _fast_motion,
     "expressions": _expressions,
     "still": _still,
+    "asymmetric": asymmetric,
+    "head_motion": head_motion,
+    "statue": statue,
 }
+#: Takes in which not even an eyelid moves.
+LIFELESS = frozenset({"statue"})
