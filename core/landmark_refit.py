@@ -9,15 +9,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from core.camera import project
-from core.face_model import FaceModel, eye_centers_mm
+from core.face_model import PART_NAMES, FaceModel, eye_centers_mm
 from core.fit_priors import PriorSettings, expression_prior
-from core.fit_problem import Observations, State, picked, start_state
+from core.fit_problem import Observations, State, picked, posed, start_state
 from core.fit_space import Face, face_at
 from core.landmarks import N_INTERNAL
 from core.model_fit import LEAST_LANDMARKS, choose_picks
 from core.picture_fit import Problem, StepSettings, fit_pictures
 from core.pupils import pupils_mm
-from core.records import Camera, FloatArray, Landmarks2D, UserBlendshapes
+from core.records import I32, Camera, FloatArray, Landmarks2D, UserBlendshapes
 
 #: Trust in a point of which nothing is known but where it was guessed.
 GUESS = 0.1
@@ -42,6 +42,21 @@ class RefitSettings:
     rounds: int = 2
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class FittedModel:
+    """The face model over a picture.
+
+    Attributes:
+        points_px: (75, 2) where it has the landmarks.
+        mesh_px: (V, 2) its vertices.
+        edges: (E, 2) pairs of vertices: the edges of the skin that faces the camera.
+    """
+
+    points_px: FloatArray
+    mesh_px: FloatArray
+    edges: I32
+
+
 class Refitter:
     """Refits pictures of one user; remembers only the user's face."""
 
@@ -50,7 +65,8 @@ class Refitter:
         settings: RefitSettings | None = None,
     ) -> None:  # fmt: skip
         self._camera, self._settings = camera, settings or RefitSettings()
-        self._face = face_at(model, user)
+        self._user, self._face = user, face_at(model, user)
+        self._skin = model.triangles[model.part == PART_NAMES.index("skin")]
         self._eyes_mm = eye_centers_mm(model, user.neutral_mm)
         self._radius_mm = model.eyeball_radius_mm
 
@@ -77,6 +93,20 @@ class Refitter:
         """Return where the model, fitted to all landmarks as they are, has them: (75, 2) px."""
         state = self._solved(landmarks, standard)
         return np.asarray(project(self._camera, self._points_mm(state))[0])
+
+    def fitted(self, landmarks: Landmarks2D, standard: FloatArray) -> FittedModel:
+        """Return the model fitted to all landmarks as they are, to compare."""
+        state = self._solved(landmarks, standard)
+        points_px = np.asarray(project(self._camera, self._points_mm(state))[0])
+        moved = np.tensordot(state.expressions[0], self._user.deltas_mm, axes=1)
+        mesh_px = project(self._camera, posed((self._user.neutral_mm + moved)[None], state)[0])
+        a, b, c = np.moveaxis(mesh_px[self._skin], 1, 0)
+        ab, ac = b - a, c - a
+        # The corners of triangles that face the camera turn counterclockwise in the picture.
+        faces = ab[:, 0] * ac[:, 1] < ab[:, 1] * ac[:, 0]
+        sides = self._skin[faces][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+        edges = np.unique(np.sort(sides, axis=1), axis=0).astype(np.int32)
+        return FittedModel(points_px, np.asarray(mesh_px), edges)
 
     def _points_mm(self, state: State) -> FloatArray:
         return picked(self._face, state, choose_picks(self._face, state))

@@ -16,9 +16,9 @@ from app.workbook import Workbook, thumbnail, toned
 from core.edit_history import Change, EditHistory
 from core.errors import CoreError
 from core.landmark_edit import PUPIL_NAMES, hidden, mirrored, placed_like, points_of
-from core.landmark_refit import Refitter
+from core.landmark_refit import FittedModel, Refitter
 from core.landmarks import CURVES, GROUPS, NAMES
-from core.records import FloatArray, Landmarks2D, Progress
+from core.records import Landmarks2D, Progress
 from core.suspicion import Suspicion, suspicion
 
 POINT_NAMES = (*(name.replace("_", " ") for name in (*NAMES, *PUPIL_NAMES)),)
@@ -128,23 +128,21 @@ class EditorController(QObject):
                 self._name,
                 image_from_array(toned(book.image(self._name), *self._look)),
                 points_of(marks),
-                np.concatenate(
-                    [marks.edited & (marks.confidence > 0), marks.pupil_confidence == 1]
-                ),
+                np.concatenate([marks.edited & (marks.confidence > 0), np.zeros(2, bool)]),
                 np.concatenate([hidden(marks), np.zeros(2, bool)]),
                 sure,
                 POINT_NAMES,
                 CURVES,
                 self._hand.selected,
-                self._model_points(marks),
+                self._fitted(marks),
             )
         )
         self._window.panel.point_label.setText(self._hand.told(marks, POINT_NAMES))
 
-    def _model_points(self, marks: Landmarks2D) -> FloatArray | None:
+    def _fitted(self, marks: Landmarks2D) -> FittedModel | None:
         if not self._window.panel.model_box.isChecked():
             return None
-        return self._refitter.model_points(marks, self._book.standard(self._name))
+        return self._refitter.fitted(marks, self._book.standard(self._name))
 
     def _show_possible(self) -> None:
         history, window = self._history, self._window

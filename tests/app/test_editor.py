@@ -308,7 +308,7 @@ def test_refit_keeps_placed_points_and_moves_the_others(desk, film):
 
 def test_the_fitted_model_and_all_names_can_be_shown(desk):
     QTest.keyClick(desk.window, Qt.Key.Key_V)
-    distance = np.linalg.norm(desk.canvas.scene.model_px - marks(desk).points_px, axis=1)
+    distance = np.linalg.norm(desk.canvas.scene.fitted.points_px - marks(desk).points_px, axis=1)
     assert distance[:60].mean() < 2
     plain = desk.canvas.grab().toImage()
     QTest.keyClick(desk.window, Qt.Key.Key_N)

@@ -62,6 +62,15 @@ def test_the_fitted_model_is_drawn_over_good_landmarks(film, refitter):
     assert distance[:60].mean() < 1.0
 
 
+def test_the_fitted_mesh_goes_through_its_landmarks_and_shows_its_front(film, refitter):
+    fitted = refitter.fitted(film.landmarks[1], UNKNOWN)
+    vertices = face_model().landmark_vertices
+    assert np.allclose(fitted.mesh_px[vertices], fitted.points_px[:60], atol=0.01)
+    shown = np.unique(fitted.edges)
+    assert 0.3 < len(shown) / len(fitted.mesh_px) < 0.75
+    assert vertices[32] in shown
+
+
 def test_hidden_points_stay_hidden_and_do_not_pull(film, refitter):
     truth = film.landmarks[1]
     far = with_placed(truth, spoiled(truth), [44, 45, 40, 41, 42, 43])

@@ -2,15 +2,16 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QColor, QFont, QImage, QPainter, QPainterPath, QPen
 
 from app.views.editor.scene import Scene
 from app.views.editor.zoom import Zoom
+from core.landmark_refit import FittedModel
 
 #: From the palette of Okabe and Ito, told apart with every kind of colour vision.
 FOUND, PLACED, HIDDEN = QColor(86, 180, 233), QColor(240, 228, 66), QColor(213, 94, 0)
-SELECTED, MODEL = QColor(255, 255, 255), QColor(204, 121, 167)
+SELECTED, MODEL, MESH = QColor(255, 255, 255), QColor(204, 121, 167), QColor(0, 158, 115, 110)
 EDGE, CURVE = QColor(10, 20, 30, 220), QColor(86, 180, 233, 120)
 LABEL_BACK = QColor(15, 17, 20, 215)
 RADIUS = 4.0
@@ -21,13 +22,15 @@ LOUPE_SIZE, LOUPE_ZOOM = 150.0, 3.0
 
 def paint_scene(painter: QPainter, scene: Scene, zoom: Zoom) -> None:
     """Paint all that lies over the picture."""
+    if scene.fitted is not None:
+        _paint_mesh(painter, scene.fitted, zoom)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     places = places_of(scene.points_px, zoom)
     painter.setPen(QPen(CURVE, 1.2))
     for curve in scene.curves:
         painter.drawPolyline([places[index] for index in curve])
-    if scene.model_px is not None:
-        _paint_model(painter, scene.model_px, zoom)
+    if scene.fitted is not None:
+        _paint_model(painter, scene.fitted.points_px, zoom)
     for index in sorted(range(len(places)), key=lambda one: one in scene.selected):
         _paint_point(painter, scene, index, places[index])
 
@@ -35,6 +38,12 @@ def paint_scene(painter: QPainter, scene: Scene, zoom: Zoom) -> None:
 def places_of(points_px: NDArray[np.float64], zoom: Zoom) -> list[QPointF]:
     """Return where points are in the widget."""
     return [zoom.to_widget(float(x), float(y)) for x, y in points_px]
+
+
+def _paint_mesh(painter: QPainter, fitted: FittedModel, zoom: Zoom) -> None:
+    corners = places_of(fitted.mesh_px, zoom)
+    painter.setPen(QPen(MESH, 1.0))
+    painter.drawLines([QLineF(corners[a], corners[b]) for a, b in fitted.edges])
 
 
 def _paint_model(painter: QPainter, model_px: NDArray[np.float64], zoom: Zoom) -> None:

@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtGui import QImage
 
+from core.landmark_refit import FittedModel
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
@@ -21,7 +23,7 @@ class Scene:
         names: P names.
         curves: Sequences of indices to join by lines.
         selected: Indices in the hand.
-        model_px: (M, 2) the fitted model's points to compare with, or None.
+        fitted: The face model to compare with, or None.
     """
 
     name: str
@@ -33,4 +35,4 @@ class Scene:
     names: tuple[str, ...]
     curves: tuple[tuple[int, ...], ...]
     selected: frozenset[int] = field(default_factory=frozenset)
-    model_px: NDArray[np.float64] | None = None
+    fitted: FittedModel | None = None
