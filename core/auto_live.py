@@ -28,7 +28,7 @@ class AutoSettings:
         patience: Frames without the regressor, the face being seen, after which it has failed.
         agreement: Distance of the regressor from the aligner, in parts of the face's size, up to
             which it is taken back.
-        first_looks: Frames in a row in which the regressor is tried at the beginning.
+        first_tries: Frames after a face was found in which the regressor is tried.
         try_every: Frames between two tries after that; each costs about 10 ms.
         unsure_every: Frames between the aligner's looks while the regressor leads and the match
             is in question.
@@ -38,7 +38,7 @@ class AutoSettings:
     match: MatchSettings = field(default_factory=MatchSettings)
     patience: int = 3
     agreement: float = 0.06
-    first_looks: int = 5
+    first_tries: tuple[int, ...] = (1, 3, 6, 10, 15)
     try_every: int = 10
     unsure_every: int = 5
     blend_s: float = 0.2
@@ -112,9 +112,8 @@ class AutoTracker:
         return state
 
     def _is_time_to_try(self) -> bool:
-        if self._seen <= self._settings.first_looks:
-            return True
-        return self._seen % self._settings.try_every == 0
+        settings = self._settings
+        return self._seen in settings.first_tries or self._seen % settings.try_every == 0
 
     def _try(self, frame: Frame, landmarks: Landmarks2D, state: FaceState) -> None:
         """Let the regressor try this frame; from the next one on it leads if it does well."""

@@ -33,15 +33,15 @@ class MatchSettings:
         other: Evidence above which it is another's.
     """
 
-    disagreement: float = 0.0115
-    residual: float = 0.58
-    misfit: float = 0.0068
+    disagreement: float = 0.0135
+    residual: float = 0.68
+    misfit: float = 0.0075
     most_from_residual: float = 0.5
     turned_rad: float = 0.6
-    memory: float = 8.0
+    memory: float = 6.0
     doubt: float = 0.7
     own: float = -0.2
-    other: float = 0.25
+    other: float = 0.15
 
 
 class ProfileMatch:
