@@ -46,7 +46,8 @@ def learn_check(
     """Learn what the training pictures look like at their true shapes.
 
     The model is learned from disturbed samples, so that another lamp is no failure. The level
-    comes from pictures that the model was not learned from: each sixth in turn is held out.
+    comes from given pictures that the model was not learned from: each sixth in turn is held out,
+    with what was made from it.
 
     Args:
         training_set: Pictures and shapes.
@@ -57,14 +58,15 @@ def learn_check(
     plain, lit = undisturbed(training_set), uncovered(training_set, N_SAMPLES)
     softening = CHECK_POINTS.softening
     appearances = np.concatenate([sample(s, s.truth_mm, points, softening) for s in (plain, lit)])
-    fold = np.concatenate([plain.image, lit.image]) % N_FOLDS
-    tested = np.arange(len(appearances)) < len(plain.image)
-    distances = np.zeros(len(plain.image))
+    origin = training_set.origin
+    fold = origin[np.concatenate([plain.image, lit.image])] % N_FOLDS
+    tested = np.flatnonzero(origin == np.arange(len(origin)))
+    distances = np.zeros(len(tested))
     for k in range(N_FOLDS):
         if np.any(fold == k) and np.any(fold != k):
             mean, basis = _linear_model(appearances[fold != k])
-            away = (fold == k) & tested
-            distances[away[tested]] = residuals(appearances[away], mean, basis)
+            away = tested[fold[tested] == k]
+            distances[away] = residuals(appearances[away], mean, basis)
     mean, basis = _linear_model(appearances)
     return AppearanceCheck(points, mean, basis, OTHER_TAKE * _level(distances))
 

@@ -11,6 +11,7 @@ from core.geometry import matrix_from_quaternion
 from core.landmarks import SHAPE_TRIANGLES
 from core.records import F32, I32, U8, Camera, FloatArray, freeze
 from core.shape_space import pairwise_rotations
+from core.turned_views import TurnSettings, turned_views
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +26,8 @@ class TrainingSetSettings:
         same_pose: Turn each guess like the truth; see make_training_set. False: the paper.
         turn_rad: Standard deviation of the rotation of a guess about each axis. Not in the
             paper; widens the range of head rotations from which the regressor recovers.
+        turning: Which pictures are also used with the head turned further.
+        n_turned_guesses: H of those.
         augmentation: How strongly the grey levels are disturbed.
     """
 
@@ -34,6 +37,8 @@ class TrainingSetSettings:
     reach_mm: tuple[float, float] = (10.0, 25.0)
     same_pose: bool = True
     turn_rad: float = 0.07
+    turning: TurnSettings = field(default_factory=TurnSettings)
+    n_turned_guesses: int = 1
     augmentation: AugmentationSettings = field(default_factory=AugmentationSettings)
 
 
@@ -43,8 +48,9 @@ class TrainingSet:
 
     Attributes:
         camera: The camera of the pictures.
-        images: (N, H, W) uint8.
+        images: (N, H, W) uint8; the given ones, then those with the head turned further.
         shapes_mm: (N, Q, 3) the original shape of every picture, camera frame.
+        origin: (N,) the given picture that each was made from; a given one is its own.
         translations_mm: (m, 3) of the augmented shapes, the first zero.
         triangles: (M, 3) triangulation of the shape points.
         image: (S,) picture of each sample.
@@ -58,6 +64,7 @@ class TrainingSet:
     camera: Camera
     images: U8
     shapes_mm: FloatArray
+    origin: I32
     translations_mm: FloatArray
     triangles: I32
     image: I32
@@ -71,6 +78,7 @@ class TrainingSet:
             self,
             images=(np.uint8, ("N", "H", "W")),
             shapes_mm=(np.float64, ("N", "Q", 3)),
+            origin=(np.int32, ("N",)),
             translations_mm=(np.float64, ("m", 3)),
             triangles=(np.int32, ("M", 3)),
             image=(np.int32, ("S",)),
@@ -88,7 +96,7 @@ def make_training_set(
     settings: TrainingSetSettings | None = None,
     triangles: I32 = SHAPE_TRIANGLES,
 ) -> TrainingSet:
-    """Return the training set of N pictures: N * m * G * H samples.
+    """Return the training set of N pictures: N * m * G * H samples, and some of turned heads.
 
     We differ from the paper in where a guess lies. It takes guesses from where, and as turned as,
     other pictures show the face, so a user who moved his chair between two pictures gets guesses
@@ -114,15 +122,19 @@ def make_training_set(
     width, height = camera.size_px
     if any(image.shape != (height, width) for image in images_gray):
         raise ValueError(f"pictures must be {width}x{height}, the size of their camera")
+    views = turned_views(images_gray, camera, points_mm, triangles, settings.turning)
+    origin = np.concatenate([np.arange(len(points_mm)), views.origin])
+    points_mm = np.concatenate([points_mm, views.points_mm])
     moves = translations(settings)
-    image, move, guess = _draw_guesses(points_mm, moves, rng, settings)
+    image, move, guess = _draw_guesses(points_mm, len(images_gray), moves, rng, settings)
     augmentation = draw_augmentation(
         camera, points_mm, triangles, len(image), rng, settings.augmentation
     )
     return TrainingSet(
         camera=camera,
-        images=np.stack(list(images_gray)),
+        images=np.stack([*images_gray, *views.images]),
         shapes_mm=points_mm,
+        origin=origin.astype(np.int32),
         translations_mm=moves,
         triangles=triangles,
         image=image,
@@ -154,11 +166,15 @@ def similar_shapes(points_mm: FloatArray, n_similar: int) -> I32:
 
 def _draw_guesses(
     points_mm: FloatArray,
+    n_given: int,
     moves: FloatArray,
     rng: np.random.Generator,
     settings: TrainingSetSettings,
 ) -> tuple[I32, NDArray[np.intp], F32]:
-    """Return picture (S,), translation (S,) and guess (S, Q, 3) of every sample."""
+    """Return picture (S,), translation (S,) and guess (S, Q, 3) of every sample.
+
+    The first `n_given` shapes get H guesses each, those of turned heads fewer.
+    """
     center = points_mm.mean(axis=1)
     similar = similar_shapes(points_mm, settings.n_similar)
     image, move, source = (
@@ -170,16 +186,17 @@ def _draw_guesses(
             indexing="ij",
         )
     )
-    n_guesses = min(settings.n_guesses, len(moves))
-    chosen = rng.permuted(np.tile(np.arange(len(moves)), (len(image), 1)), axis=1)[:, :n_guesses]
-    image, move, source = (np.repeat(a, n_guesses) for a in (image, move, source))
+    quota = np.where(image < n_given, settings.n_guesses, settings.n_turned_guesses)
+    chosen = rng.permuted(np.tile(np.arange(len(moves)), (len(image), 1)), axis=1)
+    taken = np.arange(len(moves)) < quota[:, None]
+    image, move, source = (np.repeat(a, taken.sum(axis=1)) for a in (image, move, source))
     like = similar[image, source]
     posed = points_mm[like] - center[like][:, None]
     if settings.same_pose:
         rotations = pairwise_rotations(points_mm)[image, like]
         posed = posed @ rotations.swapaxes(1, 2)
     turned = _turn(posed, settings.turn_rad, rng)
-    guess = turned + (center[image] + moves[chosen.ravel()])[:, None]
+    guess = turned + (center[image] + moves[chosen[taken]])[:, None]
     # The trainer takes any run of samples for a fair part of all.
     order = rng.permutation(len(image))
     return image[order].astype(np.int32), move[order], guess[order].astype(np.float32)

@@ -14,9 +14,10 @@ from core.training_set import (
     similar_shapes,
     translations,
 )
+from core.turned_views import TurnSettings
 from tests.synthetic_face import make_face
 
-STILL = TrainingSetSettings(turn_rad=0.0, same_pose=False)
+STILL = TrainingSetSettings(turn_rad=0.0, same_pose=False, turning=TurnSettings(further_deg=()))
 
 
 @pytest.fixture(scope="module")
@@ -36,6 +37,15 @@ def test_sixty_pictures_make_10800_samples_without_copying_a_picture(face):
     assert len(samples.image) == 10_800
     assert samples.images.shape == (60, 48, 64)
     assert np.all(np.bincount(samples.image) == 180)
+
+
+def test_pictures_of_turned_heads_join_with_fewer_samples_each(face):
+    settings = TrainingSetSettings(turning=TurnSettings((10.0,), from_deg=0.0))
+    samples = make(face, settings=settings)
+    assert samples.origin.tolist() == [*range(8), *range(8)]
+    assert np.bincount(samples.image).tolist() == [9 * 5 * 4] * 8 + [9 * 5 * 1] * 8
+    turned = samples.truth_mm + samples.shift_mm[:, None]
+    assert np.allclose(turned, samples.shapes_mm[samples.image], atol=1e-3)
 
 
 def test_the_shift_brings_the_truth_to_where_its_picture_shows_the_face(face):
