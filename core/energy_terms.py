@@ -69,9 +69,9 @@ class JointSettings:
     iterations: int = 10
     noise_px: float = 0.5
     noise_mm: float = 1.0
-    robust: float = 6.0
+    robust: float = 5.0
     outline_weight: float = 0.3
-    slope: float = 0.5
+    slope: float = 2.0
     spread_scale: float = 1.5
     memory: float = 0.1
     escape: float = 0.1

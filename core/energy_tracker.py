@@ -109,8 +109,9 @@ class EnergyTracker:
         stretch = camera.focal_px / camera.size_px[0] / before
         self._load(face, camera)
         self._pose[3, 2] *= stretch
+        self._shown_mm[2] *= stretch
         self._history[:, 5] *= stretch
-        self._filter.reset()
+        self._filter.stretch(np.array([1.0, 1.0, stretch]))
 
     def reset(self) -> None:
         """Forget the past: the face was lost, or the video changed."""

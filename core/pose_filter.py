@@ -62,6 +62,11 @@ class PoseFilter:
         """Forget the last pose: the next one passes unchanged."""
         self._time_s = None
 
+    def stretch(self, factors: FloatArray) -> None:
+        """Multiply what is kept of the translation by (3,): another focal length was found."""
+        self._translation *= factors
+        self._speeds[1] *= factors
+
     def step(
         self, rotation_wxyz: FloatArray, translation_mm: FloatArray, time_s: float
     ) -> tuple[FloatArray, FloatArray]:

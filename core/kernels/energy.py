@@ -549,16 +549,18 @@ def weigh(
     pose: FloatArray,  # (4, 3)
     weights: FloatArray,  # (L,) inverse variances, 1/px^2
     robust: float,
+    widen: float,
     work: Workspace,
 ) -> float:
     """Write the roots of the weights that distances of `work.shape` deserve [Geman, McClure].
 
-    Returns the robust energy, sum of s^2 r^2 / (s^2 + r^2).
+    Returns the robust energy, sum of s^2 r^2 / (s^2 + r^2). Far from the solution every distance
+    is large: `widen` times their root mean square is the least s.
     """
     for k in range(points.shape[1]):
         work.root[k] = np.sqrt(weights[k])
-    reproject(points, camera, pose, work)
-    total, limit = 0.0, robust * robust
+    mean = reproject(points, camera, pose, work) / points.shape[1]
+    total, limit = 0.0, max(robust * robust, widen * widen * mean)
     for k in range(points.shape[1]):
         square = work.residual[0, k] ** 2 + work.residual[1, k] ** 2
         share = limit / (limit + square)
@@ -697,9 +699,11 @@ def fit_jointly(
     coefficients: FloatArray,  # (B,) start in, result out
 ) -> float:
     """Minimise all terms over pose and coefficients; return the robust energy of the data."""
+    widen = 4.0
     for _ in range(iterations):
         express(face.neutral, face.deltas, coefficients, work.shape)
-        weigh(points, camera, pose, weights, terms.robust, work)
+        weigh(points, camera, pose, weights, terms.robust, widen, work)
+        widen *= 0.25
         pose_jacobian(camera, pose, work)
         expression_jacobian(face, work)
         normal_equations(work, 0, work.hessian.shape[0])
@@ -717,4 +721,4 @@ def fit_jointly(
         if largest < 2e-4:
             break
     express(face.neutral, face.deltas, coefficients, work.shape)
-    return weigh(points, camera, pose, weights, terms.robust, work)
+    return weigh(points, camera, pose, weights, terms.robust, 0.0, work)

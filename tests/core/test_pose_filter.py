@@ -126,3 +126,14 @@ def test_reset_forgets_the_last_pose():
 def test_settings_say_what_is_filtered_how_strongly():
     yaws = [0.0, 0.3, 0.3]
     assert 0.0 < filtered_yaws(yaws)[1] < 0.3
+
+
+def test_stretching_moves_what_is_kept_and_not_only_what_comes():
+    steady, stretched = PoseFilter(), PoseFilter()
+    place, turn = np.array([10.0, -20.0, 600.0]), np.array([1.0, 0.0, 0.0, 0.0])
+    for k in range(5):
+        steady.step(turn, place, k / 30)
+        stretched.step(turn, place, k / 30)
+    stretched.stretch(np.array([1.0, 1.0, 1.5]))
+    _, moved = stretched.step(turn, place * [1, 1, 1.5], 5 / 30)
+    np.testing.assert_allclose(moved, [10.0, -20.0, 900.0])
