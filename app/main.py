@@ -26,14 +26,14 @@ def build_parser() -> argparse.ArgumentParser:
     Raises:
         ImportError: This machine lacks a system library that a command needs.
     """
-    from app.commands import bench, demo, edit, evaluate, setup, track, window
+    from app.commands import bench, demo, edit, evaluate, setup, study, track, window
 
     parser = argparse.ArgumentParser(
         prog="facepuppet",
         description="Puppeteer a 3D avatar with your own face. Without a command the window opens.",
     )
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
-    for command in (setup, edit, track, demo, evaluate, bench):
+    for command in (setup, edit, track, demo, evaluate, study, bench):
         command.add_parser(commands)
     parser.set_defaults(run=window.run)
     return parser
