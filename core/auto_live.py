@@ -26,8 +26,8 @@ class AutoSettings:
     Attributes:
         match: Whether the face is the profile's.
         patience: Frames without the regressor, the face being seen, after which it has failed.
-        agreement: Distance of the regressor from the aligner, in parts of the face's size, up to
-            which it is taken back.
+        agreement: Distance of the regressor from the aligner, in parts of the face's size, from
+            which it fails; own faces reach 0.04 on turned heads.
         first_tries: Frames after a face was found in which the regressor is tried.
         try_every: Frames between two tries after that; each costs about 10 ms.
         unsure_every: Frames between the aligner's looks while the regressor leads and the match
@@ -88,11 +88,14 @@ class AutoTracker:
             self._match.reset()
             return state
         look = self._trained.look
-        if look is not None:
+        agrees = self._trained.follows and (look is None or self._agrees(look))
+        self._failed = 0 if agrees else self._failed + 1
+        if look is not None and agrees:
             self._weigh(look, state)
-        if not self._match.is_own:
+        if not agrees:
+            self._trained.look_within(1)
+        elif not self._match.is_own:
             self._trained.look_within(self._settings.unsure_every)
-        self._failed = 0 if self._trained.follows else self._failed + 1
         if self._failed < self._settings.patience and not self._match.is_other:
             return state
         self._trained_leads, self._seen = False, 0
@@ -118,14 +121,17 @@ class AutoTracker:
     def _try(self, frame: Frame, landmarks: Landmarks2D, state: FaceState) -> None:
         """Let the regressor try this frame; from the next one on it leads if it does well."""
         look = self._trained.begin_at(frame, landmarks)
-        if look is None:
+        if look is None or not self._agrees(look):
             return
         self._weigh(look, state)
-        agrees = look.agrees and look.disagreement < self._settings.agreement
-        if agrees and self._match.is_own:
+        if self._match.is_own:
             self._trained_leads, self._failed = True, 0
 
+    def _agrees(self, look: Look) -> bool:
+        return look.agrees and look.disagreement < self._settings.agreement
+
     def _weigh(self, look: Look, state: FaceState) -> None:
+        """Take a look for evidence; one in which the regressor failed would tell nothing."""
         misfit = self._trained.misfit(look.landmarks)
         if misfit is not None:
             self._match.weigh(look, misfit, turned_rad(state))
