@@ -1,58 +1,48 @@
 """When the landmark network has to look again, and when it may rest.
 
 Each frame adds what one frame may cost to an account, network and flow take their cost off it.
-The fuller the account, the smaller a sign is enough to look.
+The fuller the account, the smaller an error of flow is worth a look.
 """
 
 from dataclasses import dataclass
 from typing import Literal
 
-#: "every" frame, every n-th frame for a number, or as the signs and the account ask for.
+import numpy as np
+
+#: "every" frame, every n-th frame for a number, or as flow needs and the account allows.
 Detection = Literal["every", "adaptive"] | int
 
 
 @dataclass(frozen=True, slots=True)
 class PolicySettings:
-    """How signs and costs are weighed when detection is adaptive.
+    """How errors and costs are weighed when detection is adaptive.
 
     Attributes:
+        tolerance: Expected error of flow, in parts of the face's size, that is worth a look while
+            the account is full.
+        alarm: Expected error that calls for a look whatever it costs: flow has lost the face.
+        longest_s: The network looks at least so often, as the source's own clock tells.
+        savings: Looks that can be saved up for a blink, and that can be owed.
         network_ms: Cost of the network before it was measured, or without a clock.
         flow_ms: Cost of flow, the same.
-        longest_s: The network looks at least so often, as the source's own clock tells.
-        least_sign: A smaller sign than this is none, however full the account.
-        savings: Looks that can be saved up for a blink, and that can be owed.
     """
 
+    tolerance: float = 0.006
+    alarm: float = 0.08
+    longest_s: float = 1.0
+    savings: float = 6.0
     network_ms: float = 16.0
     flow_ms: float = 1.5
-    longest_s: float = 0.6
-    least_sign: float = 0.35
-    savings: float = 6.0
 
 
-@dataclass(frozen=True, slots=True)
-class Signs:
-    """What speaks for a look; 1 is what calls for one when the account is even.
-
-    Attributes:
-        flow: Error of the way there and back.
-        change: Of the pictures of eyes and mouth since the last look.
-        age_s: Time since the last look.
-    """
-
-    flow: float
-    change: float
-    age_s: float
-
-
-#: A sign this large is heard whatever the look costs: flow has lost the face.
-ALARM = 6.0
 #: Share of a new measurement in the mean cost.
 _LEARNING = 0.1
+#: How fast the tolerance grows once less than half of the savings is left.
+_THRIFT = 3.0
 
 
 class DetectionPolicy:
-    """Decides frame by frame; the same signs and costs give the same decisions."""
+    """Decides frame by frame; the same errors and costs give the same decisions."""
 
     def __init__(
         self, detection: Detection, budget_ms: float, settings: PolicySettings | None = None
@@ -84,20 +74,24 @@ class DetectionPolicy:
         """Forget the account and what was measured."""
         self._network_ms = self._settings.network_ms
         self._flow_ms = self._settings.flow_ms
-        self._account_ms = 0.0
+        self._account_ms = 0.5 * self._settings.savings * self._network_ms
         self._frames = 0
 
-    def wants_look(self, signs: Signs) -> bool:
-        """Return whether the network should look at this frame."""
-        settings = self._settings
+    def wants_look(self, error: float, age_s: float) -> bool:
+        """Return whether the network should look at this frame.
+
+        Args:
+            error: Expected of flow, in parts of the face's size.
+            age_s: Time since the last look.
+        """
         if self._detection == "every":
             return True
         if isinstance(self._detection, int):
             return self._frames + 1 >= self._detection
-        if signs.age_s < 0 or max(signs.flow, signs.change) >= ALARM:
+        settings = self._settings
+        if error >= settings.alarm or not 0 <= age_s < settings.longest_s:
             return True
-        sign = max(signs.flow, signs.change, signs.age_s / settings.longest_s)
-        return sign >= self._asked()
+        return error >= settings.tolerance * self._thrift()
 
     def spent(self, flow_ms: float | None, network_ms: float | None, looked: bool) -> None:
         """Book one frame.
@@ -117,9 +111,7 @@ class DetectionPolicy:
         limit = settings.savings * self._network_ms
         self._account_ms = min(max(self._account_ms, -limit), limit)
 
-    def _asked(self) -> float:
-        """Return the sign that is enough: small with savings, large with debts."""
-        settings = self._settings
-        full = settings.savings * self._network_ms
-        part = self._account_ms / full
-        return max(settings.least_sign, 1 - part) if part > 0 else 1 - 4 * part
+    def _thrift(self) -> float:
+        """Return how much more than the tolerance is tolerated: 1 while there are savings."""
+        part = self._account_ms / (self._settings.savings * self._network_ms)
+        return max(1.0, float(np.exp(_THRIFT * (0.5 - part))))

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from core.kernels.flow import agree, fit_camera
 from core.landmarks import GROUPS, N_INTERNAL, NAMES
 from core.records import F32, U8, BoolArray, FloatArray
 
@@ -18,7 +19,7 @@ N_FOLLOWED = N_INTERNAL + 2
 _WINDOW_PX = 15
 _HALVINGS = 2
 _CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 10, 0.02)
-#: The face is made this wide before flow if it is wider in the picture.
+#: The face is made about this wide before flow if it is wider in the picture.
 _FACE_PX = 96.0
 #: Room around the points in parts of the face's size.
 _MARGIN = 0.35
@@ -40,23 +41,25 @@ class Motion:
     Attributes:
         points_px: (P, 2) in the later frame.
         trust: (P,) in [0, 1], how far each is its own flow's word.
-        error: Way there and back of the worse points, 1 where half of the trust is gone.
-        affine: (2, 3) map from the earlier frame that moves the face as a whole.
+        camera: (2, 4) takes picture and depth before to the place to which the face as a whole
+            carries it: the affine camera, exact for a turning head under weak perspective.
     """
 
     points_px: FloatArray
     trust: FloatArray
-    error: float
-    affine: FloatArray
+    camera: FloatArray
 
 
-def follow_points(before: U8, after: U8, points_px: FloatArray) -> Motion | None:
+def follow_points(
+    before: U8, after: U8, points_px: FloatArray, depth_px: FloatArray
+) -> Motion | None:
     """Return where points of a face in one grey picture are in the next.
 
     Args:
         before: (H, W) grey picture.
         after: (H, W) the next one.
         points_px: (P, 2) in the earlier one, see N_FOLLOWED.
+        depth_px: (P,) away from the camera.
 
     Returns:
         None where too little of the face is in the picture.
@@ -64,15 +67,34 @@ def follow_points(before: U8, after: U8, points_px: FloatArray) -> Motion | None
     window = _window(before.shape, points_px)
     if window is None:
         return None
-    low, high, scale = window
-    small = [_cut(picture, low, high, scale) for picture in (before, after)]
-    start = ((points_px + 0.5 - low) * scale - 0.5).astype(np.float32)
-    end, way_px = _there_and_back(small[0], small[1], start)
-    size_px = face_size_px(points_px) * scale
-    way = np.where(np.isfinite(way_px), way_px, np.inf) / size_px
-    trust = 1 / (1 + (way / _RETURN_ERROR) ** 2)
-    moved = np.where(trust[:, None] > 0, (end + 0.5) / scale + low - 0.5, points_px)
-    return _agreed(points_px, np.asarray(moved, np.float64), trust)
+    low, high, shrink = window
+    size_px = face_size_px(points_px)
+    start = ((points_px + 0.5 - low) / shrink - 0.5).astype(np.float32)
+    end, way = _there_and_back(
+        _cut(before, low, high, shrink), _cut(after, low, high, shrink), start
+    )
+    trust = 1 / (1 + (way * shrink / (_RETURN_ERROR * size_px)) ** 2)
+    moved = np.where(trust[:, None] > 0, (end + 0.5) * shrink + low - 0.5, points_px)
+    moved = moved.astype(np.float64)
+    camera = np.empty((2, 4))
+    limits = np.array([size_px, _REACH, _ODD_MOTION, _CALM])
+    agree(np.column_stack([points_px, depth_px]), _RELATED, limits, camera, moved, trust)
+    return Motion(moved, trust, camera)
+
+
+def camera_between(
+    before_px: FloatArray, depth_px: FloatArray, after_px: FloatArray, weights: FloatArray
+) -> FloatArray:
+    """Return the affine camera (2, 4) that takes points (P, 2) of some depth best to others."""
+    camera = np.empty((2, 4))
+    fit_camera(np.column_stack([before_px, depth_px]), after_px, weights, camera)
+    return camera
+
+
+def carried(camera: FloatArray, points_px: FloatArray, depth_px: FloatArray) -> FloatArray:
+    """Return where an affine camera (2, 4) takes points (P, 2) of some depth."""
+    flat = points_px @ camera[:, :2].T + depth_px[:, None] * camera[:, 2] + camera[:, 3]
+    return np.asarray(flat)
 
 
 def face_size_px(points_px: FloatArray) -> float:
@@ -80,45 +102,32 @@ def face_size_px(points_px: FloatArray) -> float:
     return max(float(np.ptp(points_px, axis=0).max()), 1.0)
 
 
-def affine_between(before_px: FloatArray, after_px: FloatArray, weights: FloatArray) -> FloatArray:
-    """Return the affine map (2, 3) that takes points best to others, all (P, 2).
-
-    Where the points do not tell (all in a line, hardly any weight) it is nearly a shift.
-    """
-    total = float(weights.sum())
-    if total < 1e-6:
-        return np.hstack([np.eye(2), np.zeros((2, 1))])
-    share = (weights / total)[:, None]
-    center, target = (share * before_px).sum(axis=0), (share * after_px).sum(axis=0)
-    away, there = before_px - center, after_px - target
-    square = away.T @ (share * away)
-    square += 1e-3 * (np.trace(square) + 1e-6) * np.eye(2)
-    linear = np.eye(2) + np.linalg.solve(square, away.T @ (share * (there - away))).T
-    return np.column_stack([linear, target - linear @ center])
-
-
 def _window(
     shape: tuple[int, ...], points_px: FloatArray
-) -> tuple[FloatArray, FloatArray, float] | None:
-    """Return corners (x, y) of the part of the picture around the points, and its scale."""
+) -> tuple[FloatArray, FloatArray, int] | None:
+    """Return corners (x, y) of the part of the picture around the points, and what to halve by."""
     if not np.isfinite(points_px).all():
         return None
-    size_px = face_size_px(points_px)
+    low, high = points_px.min(axis=0), points_px.max(axis=0)
+    size_px = max(float((high - low).max()), 1.0)
+    # Whole numbers: cv2 is quick at them, and the corner stays a whole pixel of the small picture.
+    shrink = max(round(size_px / _FACE_PX), 1)
     room = _MARGIN * size_px
-    low = np.maximum(np.floor(points_px.min(axis=0) - room), 0)
-    high = np.minimum(np.ceil(points_px.max(axis=0) + room), [shape[1], shape[0]])
-    scale = min(_FACE_PX / size_px, 1.0)
-    if ((high - low) * scale).min() < _LEAST_SIDE_PX:
+    low = np.maximum(np.floor(low - room), 0)
+    high = np.minimum(np.ceil(high + room), [shape[1], shape[0]])
+    high = low + (high - low) // shrink * shrink
+    if ((high - low) / shrink).min() < _LEAST_SIDE_PX:
         return None
-    return low, high, scale
+    return low, high, shrink
 
 
-def _cut(picture: U8, low: FloatArray, high: FloatArray, scale: float) -> U8:
+def _cut(picture: U8, low: FloatArray, high: FloatArray, shrink: int) -> U8:
     (left, top), (right, bottom) = low.astype(int), high.astype(int)
     part = picture[top:bottom, left:right]
-    if scale == 1.0:
+    if shrink == 1:
         return np.ascontiguousarray(part)
-    return np.asarray(cv2.resize(part, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA))
+    size = ((right - left) // shrink, (bottom - top) // shrink)
+    return np.asarray(cv2.resize(part, size, interpolation=cv2.INTER_AREA))
 
 
 def _there_and_back(before: U8, after: U8, start: F32) -> tuple[F32, FloatArray]:
@@ -141,36 +150,6 @@ def _flow(before: U8, after: U8, start: F32) -> tuple[F32, BoolArray]:
         criteria=_CRITERIA,
     )
     return np.asarray(end, np.float32), np.asarray(found.ravel() == 1)
-
-
-def _agreed(before_px: FloatArray, moved_px: FloatArray, trust: FloatArray) -> Motion:
-    """Return the motion with what does not fit to the neighbours replaced by what they do."""
-    size_px = face_size_px(before_px)
-    error = float(np.percentile(1 / np.maximum(trust, 1e-3) - 1, 80))
-    affine = affine_between(before_px, moved_px, trust)
-    for _ in range(2):
-        rest = moved_px - _mapped(affine, before_px)
-        calm = trust / (1 + np.sum(rest**2, axis=1) / (0.02 * size_px) ** 2)
-        affine = affine_between(before_px, moved_px, calm)
-    carried = _mapped(affine, before_px)
-    rest = moved_px - carried
-    common = _common(before_px / size_px, rest, trust)
-    odd = np.linalg.norm(rest - common, axis=1) / (_ODD_MOTION * size_px)
-    trust = trust / (1 + odd**2)
-    share = trust[:, None]
-    points = carried + share * rest + (1 - share) * common
-    return Motion(points, trust, error, affine)
-
-
-def _common(places: FloatArray, rest_px: FloatArray, trust: FloatArray) -> FloatArray:
-    """Return what the other points of the same feature do beyond the face's motion (P, 2)."""
-    squares = np.sum((places[:, None] - places[None]) ** 2, axis=2)
-    weights = np.exp(-0.5 * squares / _REACH**2) * _RELATED * trust
-    return np.asarray(weights @ rest_px / (_CALM + weights.sum(axis=1, keepdims=True)))
-
-
-def _mapped(affine: FloatArray, points_px: FloatArray) -> FloatArray:
-    return np.asarray(points_px @ affine[:, :2].T + affine[:, 2])
 
 
 def _related() -> BoolArray:

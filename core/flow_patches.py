@@ -70,9 +70,11 @@ def _patch(picture: U8, frame: FloatArray, size: tuple[int, int]) -> F32:
     raw = cv2.warpAffine(picture, warp, size, flags=flags, borderMode=cv2.BORDER_REPLICATE)
     flat = raw.ravel().astype(np.float32)
     flat -= flat.mean()
-    return np.asarray(flat / max(float(flat.std()), _LEAST_CONTRAST))
+    contrast = float(np.sqrt(flat @ flat / len(flat)))
+    return np.asarray(flat / max(contrast, _LEAST_CONTRAST))
 
 
 def difference(one: F32, other: F32) -> float:
     """Return 0 for equal pictures, about 1 for unrelated and 2 for opposite ones."""
-    return 0.5 * float(np.mean((one - other) ** 2))
+    apart = one - other
+    return 0.5 * float(apart @ apart) / len(apart)

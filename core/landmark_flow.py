@@ -11,12 +11,13 @@ from typing import Protocol
 import numpy as np
 
 from core.alignment import Alignment
-from core.detection_policy import Detection, DetectionPolicy, PolicySettings, Signs
+from core.detection_policy import Detection, DetectionPolicy, PolicySettings
 from core.face_regions import Region
-from core.flow_motion import N_FOLLOWED, affine_between, face_size_px, follow_points
+from core.flow_error import Signs, confidences_of, expected_error
+from core.flow_motion import N_FOLLOWED, camera_between, carried, face_size_px, follow_points
 from core.flow_patches import difference, patches
 from core.landmark_confidence import inside, smooth_step
-from core.landmarks import GROUPS, N_INTERNAL, N_LANDMARKS
+from core.landmarks import GROUPS, MESH478, N_INTERNAL, N_LANDMARKS, PUPILS478
 from core.records import F32, U8, FloatArray, Frame, Landmarks2D
 
 #: Between two frames further apart than this in time nothing is carried.
@@ -24,6 +25,8 @@ LONGEST_GAP_S = 0.5
 #: The followed points among landmarks and pupils.
 _FOLLOWED = np.r_[0:N_INTERNAL, N_LANDMARKS : N_LANDMARKS + 2]
 
+#: Landmarks and pupils in the network's mesh.
+_MESH = np.concatenate([MESH478, PUPILS478])
 #: Outer corner, middle of the upper lid, inner corner, middle of the lower lid; right and left.
 _LIDS = np.array([GROUPS[name] for name in ("eye_right", "eye_left")])[:, [0, 2, 4, 6]]
 #: Opening of the lids in parts of the eye's width: no iris to be seen, and enough of it.
@@ -49,7 +52,6 @@ class FlowSettings:
         policy: How that is brought about.
         small: Corrections well below this, in parts of the face's size, are drift or noise.
         per_frame: Share of what is left of a small correction that each frame brings.
-        change: Difference of the pictures of eyes or mouth that calls for a look.
     """
 
     detection: Detection = "adaptive"
@@ -57,7 +59,6 @@ class FlowSettings:
     policy: PolicySettings = field(default_factory=PolicySettings)
     small: float = 0.012
     per_frame: float = 0.5
-    change: float = 0.12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,12 +137,14 @@ class LandmarkFollower:
         if self._past is not None and self._past.frame.gray.shape != frame.gray.shape:
             self.reset()
         times_s = [self._now_s()]
-        carried = self._carried(frame)
-        looks = carried is None or self._policy.wants_look(self._signs(frame, carried))
+        flowed = self._carried(frame)
+        looks = flowed is None or self._policy.wants_look(
+            expected_error(_signs(flowed)), frame.time_s - flowed.looked_s
+        )
         times_s.append(self._now_s())
-        self._past = self._looked(frame, carried) if looks else carried
+        self._past = self._looked(frame, flowed) if looks else flowed
         times_s.append(self._now_s())
-        self._book(times_s, flowed=carried is not None, looked=looks)
+        self._book(times_s, flowed=flowed is not None, looked=looks)
         return None if self._past is None else _followed(self._past, looks)
 
     def _now_s(self) -> float:
@@ -163,10 +166,13 @@ class LandmarkFollower:
             return None
         if not 0 <= frame.time_s - past.frame.time_s <= LONGEST_GAP_S:
             return None
-        motion = follow_points(past.frame.gray, frame.gray, past.points_px[_FOLLOWED])
+        depth = _depth_px(past.alignment)
+        motion = follow_points(
+            past.frame.gray, frame.gray, past.points_px[_FOLLOWED], depth[_FOLLOWED]
+        )
         if motion is None:
             return None
-        points = past.points_px @ motion.affine[:, :2].T + motion.affine[:, 2]
+        points = carried(motion.camera, past.points_px, depth)
         points[_FOLLOWED] = motion.points_px
         coming = self._settings.per_frame * past.waiting_px
         return replace(
@@ -175,15 +181,6 @@ class LandmarkFollower:
             points_px=points + coming,
             waiting_px=past.waiting_px - coming,
             trust=past.trust * motion.trust,
-        )
-
-    def _signs(self, frame: Frame, carried: _Past) -> Signs:
-        now = patches(frame.gray, carried.points_px)
-        change = max(difference(a, b) for a, b in zip(now, carried.patches, strict=True))
-        return Signs(
-            float(1 / max(np.percentile(carried.trust, 20), 1e-3) - 1),
-            change / self._settings.change,
-            frame.time_s - carried.looked_s,
         )
 
     def _looked(self, frame: Frame, carried: _Past | None) -> _Past | None:
@@ -217,16 +214,15 @@ def _followed(past: _Past, looked: bool) -> Followed:
         return Followed(seen, past.alignment, True, past.alignment.presence)
     height, width = past.frame.gray.shape
     points, pupils = past.points_px[:N_LANDMARKS], past.points_px[N_LANDMARKS:]
+    sure = confidences_of(past.trust)
     confidence = seen.confidence * inside(points, (width, height))
-    confidence[:N_INTERNAL] *= past.trust[:N_INTERNAL]
-    confidence[N_INTERNAL:] *= past.trust.mean()
-    iris_seen = np.minimum(seen.pupil_confidence, _iris_shares(points))
-    pupil_confidence = iris_seen * past.trust[N_INTERNAL:]
-    pupil_confidence = pupil_confidence * inside(pupils, (width, height))
+    confidence[:N_INTERNAL] *= sure[:N_INTERNAL]
+    confidence[N_INTERNAL:] *= sure.mean()
+    iris_seen = np.minimum(seen.pupil_confidence, _iris_shares(points)) * sure[N_INTERNAL:]
+    pupil_confidence = iris_seen * inside(pupils, (width, height))
     landmarks = Landmarks2D(points, seen.edited, confidence, pupils, pupil_confidence)
     alignment = past.alignment if looked else None
-    sure = past.alignment.presence * float(past.trust.mean())
-    return Followed(landmarks, alignment, looked, sure)
+    return Followed(landmarks, alignment, looked, past.alignment.presence * float(sure.mean()))
 
 
 def _iris_shares(points_px: FloatArray) -> FloatArray:
@@ -236,10 +232,35 @@ def _iris_shares(points_px: FloatArray) -> FloatArray:
     return smooth_step(np.linalg.norm(up - low, axis=1) / wide, *_OPENING)
 
 
+def _signs(carried: _Past) -> Signs:
+    """Return what has happened since the network looked."""
+    now = patches(carried.frame.gray, carried.points_px)
+    right, left, mouth = (difference(a, b) for a, b in zip(now, carried.patches, strict=True))
+    worse = np.sort(carried.trust)[N_FOLLOWED // 5]
+    turned = float(np.hypot(*_camera_since(carried)[:, 2]))
+    return Signs(float(1 / max(worse, 1e-3) - 1), max(right, left), mouth, turned)
+
+
 def _moved(past: _Past) -> Alignment:
     """Return the last look's alignment moved to where flow has carried the face since."""
-    affine = affine_between(past.looked_px[_FOLLOWED], past.points_px[_FOLLOWED], past.trust + 1e-6)
     seen = past.alignment
-    center = affine[:, :2] @ seen.region.center_px + affine[:, 2]
+    camera = _camera_since(past)
+    center = camera[:, :2] @ seen.region.center_px + camera[:, 3]
     region = Region(center, seen.region.size_px, seen.region.angle_rad)
-    return replace(seen, mesh_px=seen.mesh_px @ affine[:, :2].T + affine[:, 2], region=region)
+    mesh = carried(camera, seen.mesh_px, seen.mesh_depth_px)
+    return replace(seen, mesh_px=mesh, region=region)
+
+
+def _camera_since(past: _Past) -> FloatArray:
+    """Return the affine camera (2, 4) that moved the face since the network looked."""
+    return camera_between(
+        past.looked_px[_FOLLOWED],
+        _depth_px(past.alignment)[_FOLLOWED],
+        past.points_px[_FOLLOWED],
+        past.trust + 1e-6,
+    )
+
+
+def _depth_px(alignment: Alignment) -> FloatArray:
+    """Return how deep (Q,) landmarks and pupils lay in the picture when the network looked."""
+    return np.asarray(alignment.mesh_depth_px[_MESH])
