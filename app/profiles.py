@@ -65,15 +65,28 @@ def profile_names() -> list[str]:
 
 def encoded_pictures(images: SetupImages) -> dict[str, bytes]:
     """Return setup pictures as image files: file name -> content."""
-    many = len(images.images) >= MANY_PICTURES
-    suffix, options = (".jpg", [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]) if many else (".png", [])
-    files = {}
-    for name, rgb in zip(images.names, images.images, strict=True):
-        done, encoded = cv2.imencode(suffix, cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR), options)
-        if not done:
-            raise ValueError(f"OpenCV cannot encode {name} as {suffix}")
-        files[name + suffix] = encoded.tobytes()
-    return files
+    suffix = ".jpg" if len(images.images) >= MANY_PICTURES else ".png"
+    return {
+        name + suffix: encoded(rgb, suffix)
+        for name, rgb in zip(images.names, images.images, strict=True)
+    }
+
+
+def encoded(rgb: U8, suffix: str = ".png") -> bytes:
+    """Return a picture (H, W, 3) as the content of an image file."""
+    options = [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY] if suffix == ".jpg" else []
+    done, content = cv2.imencode(suffix, cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR), options)
+    if not done:
+        raise ValueError(f"OpenCV cannot encode a picture of {rgb.shape} as {suffix}")
+    return bytes(content.tobytes())
+
+
+def decoded(content: bytes) -> U8 | None:
+    """Return the picture (H, W, 3) of an image file's content, None if it is none."""
+    picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR) if content else None
+    return (
+        None if picture is None else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB), np.uint8)
+    )
 
 
 def decoded_pictures(
@@ -106,7 +119,7 @@ def load_setup_images(folder: Path, profile: Profile) -> SetupImages:
 def _decoded(content: bytes | None, path: Path) -> U8:
     if content is None:
         raise ProfileDamagedError(path, "not there", "a setup picture")
-    picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
+    picture = decoded(content)
     if picture is None:
         raise ProfileDamagedError(path, "not decodable", "a setup picture")
-    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB), np.uint8)
+    return picture

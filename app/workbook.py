@@ -1,17 +1,20 @@
 """The setup pictures of a profile with their landmarks: as trained, and as corrected since."""
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-from app.profiles import load_setup_images
+from app.profiles import decoded, encoded, load_setup_images
 from app.setup_steps import Pictures, keep, make_profile
 from core.draft import Draft, DraftPicture
 from core.face_model import FaceModel
+from core.generations import HEADER_NAME
 from core.landmark_edit import points_of
-from core.records import U8, FloatArray, Landmarks2D, Progress
+from core.records import U8, FloatArray, Landmarks2D, Progress, SetupImages
+from core.setup_plan import SHOTS, standard_for
 from core.store import Profile, load
 
 #: What the generic aligner sees in a picture, None without a face.
@@ -19,54 +22,76 @@ Find = Callable[[U8], Landmarks2D | None]
 
 
 class Workbook:
-    """Reads a profile and its draft; keeps every correction on the disk at once."""
+    """Reads a profile and its draft; keeps every shot and correction on the disk at once."""
 
     def __init__(self, folder: Path, find: Find) -> None:
-        """Open the pictures of a profile.
+        """Open the pictures of a profile, or of one that is still to be trained.
 
         Args:
-            folder: Of the profile.
+            folder: Of the profile; it need not be there.
             find: The aligner, for points as they were found.
 
         Raises:
-            ProfileMissingError, ProfileNewerError, ProfileDamagedError: There is none to open.
+            ProfileNewerError, ProfileDamagedError: What is there cannot be opened.
         """
         self.folder, self._find = folder, find
-        self.profile = load(folder)
-        self._images = load_setup_images(folder, self.profile)
         self._draft = Draft(folder)
-        self._landmarks = dict(zip(self.profile.names, self.profile.landmarks, strict=True))
+        self.profile: Profile | None = None
+        if (folder / HEADER_NAME).exists():
+            self._open(load(folder))
+        else:
+            self._images: dict[str, U8] = {}
+            self._landmarks: dict[str, Landmarks2D] = {}
         for name in self._draft.names():
-            picture = self._draft.get(name)
-            if picture is not None and name in self._landmarks:
-                self._landmarks[name] = picture.landmarks
+            self._add_draft(name)
+
+    def _open(self, profile: Profile) -> None:
+        self.profile = profile
+        images = load_setup_images(self.folder, profile)
+        self._images = dict(zip(images.names, images.images, strict=True))
+        self._landmarks = dict(zip(profile.names, profile.landmarks, strict=True))
+
+    def _add_draft(self, name: str) -> None:
+        picture = self._draft.get(name)
+        if picture is None:
+            return
+        if picture.picture_name:
+            rgb = decoded(self._draft.content(picture))
+            if rgb is None:
+                return
+            self._images[name] = rgb
+        if name in self._images:
+            self._landmarks[name] = picture.landmarks
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The pictures' names, in the order of the setup."""
-        return self.profile.names
+        """The pictures' names: prompts in their order, then others as they came."""
+        prompts = [shot.name for shot in SHOTS if shot.name in self._landmarks]
+        return (*prompts, *(name for name in self._landmarks if name not in prompts))
 
     @property
     def outdated(self) -> bool:
-        """Whether the profile was trained with other landmarks."""
-        trained = zip(self.profile.names, self.profile.landmarks, strict=True)
-        return any(not _same(marks, self._landmarks[name]) for name, marks in trained)
+        """Whether the profile was trained with other pictures or landmarks, or not at all."""
+        return any(not self._is_trained(name) for name in self.names)
 
     def image(self, name: str) -> U8:
         """Return a picture (H, W, 3)."""
-        return self._images.images[self.names.index(name)]
+        return self._images[name]
 
     def standard(self, name: str) -> FloatArray:
         """Return the coefficients a* (B,) of a picture's prompt, NaN without one."""
-        return np.asarray(self.profile.standard[self.names.index(name)])
+        if self.profile is not None and name in self.profile.names:
+            return np.asarray(self.profile.standard[self.profile.names.index(name)])
+        return standard_for(name)
 
     def landmarks(self, name: str) -> Landmarks2D:
         """Return the landmarks of a picture as they are now."""
         return self._landmarks[name]
 
-    def trained(self, name: str) -> Landmarks2D:
-        """Return the landmarks with which the profile was trained."""
-        return self.profile.landmarks[self.names.index(name)]
+    def quality(self, name: str) -> dict[str, object]:
+        """Return what is known of how good a shot is; nothing of one from a profile."""
+        known = self._draft.get(name)
+        return dict(known.quality) if known is not None else {}
 
     def automatic(self, name: str) -> Landmarks2D:
         """Return the landmarks as they were found, before any correction.
@@ -76,10 +101,8 @@ class Workbook:
         known = self._draft.get(name)
         if known is not None:
             return known.automatic
-        trained = self.trained(name)
-        if not trained.edited.any():
-            return trained
-        return self._find(self.image(name)) or trained
+        now = self._landmarks[name]
+        return self._find(self.image(name)) or now if now.edited.any() else now
 
     def correct(self, name: str, landmarks: Landmarks2D) -> None:
         """Keep new landmarks of a picture, on the disk, too.
@@ -87,17 +110,36 @@ class Workbook:
         Raises:
             ProfileUnwritableError: They are only in memory; the profile is as it was.
         """
-        automatic = self.automatic(name)
+        known = self._draft.get(name) or DraftPicture(landmarks, self.automatic(name))
         self._landmarks[name] = landmarks
-        if _same(landmarks, self.trained(name)):
+        if not known.picture_name and self._is_trained(name):
             self._draft.remove(name)
         else:
-            self._draft.put(name, DraftPicture(landmarks, automatic))
+            self._draft.put(name, replace(known, landmarks=landmarks))
 
-    def retrain(
+    def put(
+        self, name: str, rgb: U8, landmarks: Landmarks2D, quality: Mapping[str, object]
+    ) -> None:
+        """Keep a shot; one of the same name is replaced.
+
+        Raises:
+            ProfileUnwritableError: It is not kept.
+        """
+        picture = DraftPicture(landmarks, landmarks, f"{name}.png", quality)
+        self._draft.put(name, picture, encoded(rgb))
+        self._images[name], self._landmarks[name] = rgb, landmarks
+
+    def remove(self, name: str) -> None:
+        """Drop a shot that no training has seen, if there is one."""
+        if self.profile is None or name not in self.profile.names:
+            self._draft.remove(name)
+            self._images.pop(name, None)
+            self._landmarks.pop(name, None)
+
+    def train(
         self, model: FaceModel, rng: np.random.Generator
     ) -> Generator[Progress, None, Profile]:
-        """Train the profile anew with the landmarks as they are now, and keep it.
+        """Train the profile with pictures and landmarks as they are now, and keep it.
 
         Yields:
             Progress of the training.
@@ -108,16 +150,32 @@ class Workbook:
         Raises:
             CoreError: The profile is as it was.
         """
-        landmarks = tuple(self._landmarks[name] for name in self.names)
-        pictures = Pictures(self._images, landmarks, ())
-        given = self.profile.report.get("focal_source") == "given"
-        focal_px = self.profile.camera.focal_px if given else None
-        profile, images = yield from make_profile(model, pictures, focal_px, rng)
-        self.profile = keep(self.folder, profile, images)
-        self._images = images
-        self._landmarks = dict(zip(profile.names, profile.landmarks, strict=True))
+        names = self.names
+        standard = np.stack([self.standard(name) for name in names])
+        images = SetupImages(tuple(self._images[name] for name in names), names, standard)
+        pictures = Pictures(images, tuple(self._landmarks[name] for name in names), ())
+        profile, used = yield from make_profile(model, pictures, self._given_focal_px(), rng)
+        self._open_kept(keep(self.folder, profile, used))
+        return profile
+
+    def _open_kept(self, profile: Profile) -> None:
         self._draft.clear()
-        return self.profile
+        self._open(profile)
+
+    def _given_focal_px(self) -> float | None:
+        if self.profile is None or self.profile.report.get("focal_source") != "given":
+            return None
+        return self.profile.camera.focal_px
+
+    def _is_trained(self, name: str) -> bool:
+        """Return whether the profile was trained with a picture as it is now."""
+        if self.profile is None or name not in self.profile.names:
+            return False
+        known = self._draft.get(name)
+        if known is not None and known.picture_name:
+            return False
+        trained = self.profile.landmarks[self.profile.names.index(name)]
+        return _same(trained, self._landmarks[name])
 
 
 def thumbnail(rgb: U8, width: int) -> U8:

@@ -84,7 +84,7 @@ def match(
         errors[0] = 0.0
     pose = bool(np.all(errors < settings.angle_rad))
     reached = _reached(shot, expression)
-    calm = shot.standard.any() or bool(np.max(expression[_FACE]) < settings.other)
+    calm = bool(shot.standard.any() or np.max(expression[_FACE]) < settings.other)
     return Match(turn, pose, bool(reached >= settings.share) and calm, reached)
 
 
@@ -123,7 +123,7 @@ def _strongest(shot: Shot) -> BoolArray:
     """Return which coefficients (B,) tell best whether the expression is made."""
     asked = shot.standard.copy()
     asked[_WEAK] = 0.0
-    return (asked > 0) & (asked >= 0.6 * asked.max())
+    return np.asarray((asked > 0) & (asked >= 0.6 * asked.max()))
 
 
 def _reached(shot: Shot, expression: FloatArray) -> float:

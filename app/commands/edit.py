@@ -66,6 +66,7 @@ def open_editor(folder: Path) -> tuple[Any, Any]:
     from app.views.editor.editor_window import EditorWindow
     from app.workbook import Workbook
     from core.face_model import load_face_model
+    from core.generations import ProfileMissingError
     from core.landmark_refit import Refitter
 
     model = load_face_model(asset("face_model.npz"))
@@ -77,10 +78,12 @@ def open_editor(folder: Path) -> tuple[Any, Any]:
     book = Workbook(folder, find)
 
     def train(book: Workbook) -> Generator[Progress, None, str]:
-        profile = yield from book.retrain(model, np.random.default_rng(0))
+        profile = yield from book.train(model, np.random.default_rng(0))
         return f"Trained again; {len(profile.names)} pictures are in use."
 
     def refitter() -> Refitter:
+        if book.profile is None:
+            raise ProfileMissingError(folder)
         return Refitter(model, book.profile.user, book.profile.camera)
 
     window = EditorWindow(folder.name)

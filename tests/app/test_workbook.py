@@ -1,0 +1,115 @@
+"""Facts about the pictures of a profile between shooting and training."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app import workbook
+from app.workbook import Workbook
+from core.landmark_edit import points_of
+from core.records import Landmarks2D
+from core.setup_plan import SHOTS
+from core.store import load
+from tests.app.test_editor import film, folder  # noqa: F401  fixtures
+
+SHOT = "grin_yaw+0"
+
+
+def nothing(rgb):
+    return None
+
+
+@pytest.fixture
+def landmarks(rng):
+    return Landmarks2D(
+        rng.uniform(0, 400, (75, 2)), np.zeros(75, bool), rng.random(75),
+        rng.uniform(0, 400, (2, 2)), rng.random(2),
+    )  # fmt: skip
+
+
+@pytest.fixture
+def rgb(rng):
+    return rng.integers(0, 255, (48, 64, 3), np.uint8)
+
+
+def test_a_shot_is_there_for_the_next_program(tmp_path, rgb, landmarks):
+    book = Workbook(tmp_path / "new", nothing)
+    assert book.names == () and book.profile is None
+    book.put(SHOT, rgb, landmarks, {"sharp": 0.4})
+    again = Workbook(tmp_path / "new", nothing)
+    assert again.names == (SHOT,)
+    assert np.array_equal(again.image(SHOT), rgb)
+    assert np.array_equal(points_of(again.landmarks(SHOT)), points_of(landmarks))
+    assert again.quality(SHOT) == {"sharp": 0.4}
+    assert np.array_equal(again.standard(SHOT), book.standard(SHOT))
+    assert again.outdated
+
+
+def test_shots_stand_in_the_order_of_the_prompts(tmp_path, rgb, landmarks):
+    book = Workbook(tmp_path, nothing)
+    wanted = [SHOTS[n].name for n in (30, 2, 17)]
+    for name in wanted:
+        book.put(name, rgb, landmarks, {})
+    assert book.names == (wanted[1], wanted[2], wanted[0])
+
+
+def test_a_retaken_shot_replaces_the_first_and_a_dropped_one_is_gone(tmp_path, rgb, landmarks):
+    book = Workbook(tmp_path, nothing)
+    book.put(SHOT, rgb, landmarks, {})
+    book.put(SHOT, 255 - rgb, landmarks, {})
+    assert np.array_equal(Workbook(tmp_path, nothing).image(SHOT), 255 - rgb)
+    book.remove(SHOT)
+    assert book.names == () and Workbook(tmp_path, nothing).names == ()
+
+
+def test_a_corrected_shot_keeps_its_picture_and_what_was_found(tmp_path, rgb, landmarks):
+    book = Workbook(tmp_path, nothing)
+    book.put(SHOT, rgb, landmarks, {"sharp": 0.4})
+    moved = landmarks.moved(3, 10.0, 20.0)
+    book.correct(SHOT, moved)
+    again = Workbook(tmp_path, nothing)
+    assert np.array_equal(points_of(again.landmarks(SHOT)), points_of(moved))
+    assert np.array_equal(points_of(again.automatic(SHOT)), points_of(landmarks))
+    assert np.array_equal(again.image(SHOT), rgb) and again.quality(SHOT) == {"sharp": 0.4}
+
+
+def test_new_shots_stand_beside_those_of_the_profile(folder, rgb, landmarks):  # noqa: F811
+    before = Workbook(folder, nothing)
+    assert not before.outdated
+    before.put(SHOT, rgb, landmarks, {})
+    again = Workbook(folder, nothing)
+    assert set(again.names) == {*load(folder).names, SHOT} and again.outdated
+    again.remove(SHOT)
+    assert not Workbook(folder, nothing).outdated
+
+
+def test_training_takes_all_pictures_and_empties_the_draft(
+    folder, film, landmarks, monkeypatch  # noqa: F811
+):  # fmt: skip
+    book = Workbook(folder, nothing)
+    grey = np.full((480, 640, 3), 99, np.uint8)
+    book.put(SHOT, grey, landmarks, {})
+    seen = []
+
+    def make_profile(model, pictures, focal_px, rng):
+        seen.append((pictures.images.names, focal_px))
+        yield
+        n = len(pictures.images.names)
+        old = load(folder)
+        return replace(
+            old, names=pictures.images.names, standard=pictures.images.standard,
+            landmarks=pictures.landmarks,
+            fit=replace(old.fit, **{
+                name: np.resize(getattr(old.fit, name), (n, *getattr(old.fit, name).shape[1:]))
+                for name in ("expressions", "rotations_wxyz", "translations_mm",
+                             "landmark_vertices", "rms_px")
+            }),
+        ), pictures.images  # fmt: skip
+
+    monkeypatch.setattr(workbook, "make_profile", make_profile)
+    for _ in book.train(None, np.random.default_rng(0)):
+        pass
+    assert seen == [(book.names, None)] and SHOT in seen[0][0]
+    assert not book.outdated
+    assert SHOT in load(folder).names and not Workbook(folder, nothing).outdated
