@@ -22,11 +22,6 @@ from core.fit_priors import USUAL_SPREAD, expression_spreads
 from core.kernels.energy import BARRIER, BOX, JointTerms, PaperTerms
 from core.records import FloatArray
 
-#: What eq. 12 is multiplied by.
-_BARRIER_WEIGHT = 100.0
-#: a, b, c of eq. 12: as printed, and with walls that can be felt.
-_BARRIERS = {"printed": (1.002, 2e-5, 2.5), "widened": (1.01, 5e-3, np.pi**2 / 4)}
-
 
 @dataclass(frozen=True, slots=True)
 class PaperSettings:
@@ -38,15 +33,23 @@ class PaperSettings:
         rotation_smoothness: Weight of eq. 9 per rad^2.
         translation_smoothness: Weight of eq. 9 per mm^2.
         sparsity: Weight of eq. 11.
-        bounds: What keeps coefficients in [0, 1].
+        bounds: What keeps coefficients in [0, 1]: eq. 12, or plain bounds.
+        barrier: Weight of eq. 12.
+        barrier_a: Its walls stand at 1 - a and a.
+        barrier_b: Their width.
+        barrier_c: Makes it about zero in range.
     """
 
     pose_iterations: int = 15
     expression_iterations: int = 15
-    rotation_smoothness: float = 1e5
-    translation_smoothness: float = 1.0
-    sparsity: float = 5.0
-    bounds: Literal["printed", "widened", "box"] = "box"
+    rotation_smoothness: float = 1e4
+    translation_smoothness: float = 0.1
+    sparsity: float = 20.0
+    bounds: Literal["barrier", "box"] = "box"
+    barrier: float = 100.0
+    barrier_a: float = 1.002
+    barrier_b: float = 2e-5
+    barrier_c: float = 2.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,9 +83,9 @@ class JointSettings:
 def paper_terms(settings: PaperSettings) -> PaperTerms:
     """Return the paper's weights for the kernels."""
     smooth = np.repeat([settings.rotation_smoothness, settings.translation_smoothness], 3)
-    constants = _BARRIERS.get(settings.bounds, _BARRIERS["printed"])
+    barrier = [settings.barrier, settings.barrier_a, settings.barrier_b, settings.barrier_c]
     bounds = BOX if settings.bounds == "box" else BARRIER
-    return PaperTerms(smooth, settings.sparsity, np.array([_BARRIER_WEIGHT, *constants]), bounds)
+    return PaperTerms(smooth, settings.sparsity, np.array(barrier), bounds)
 
 
 def joint_terms(settings: JointSettings) -> JointTerms:

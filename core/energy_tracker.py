@@ -61,6 +61,21 @@ class Solved(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
+class SolverState:
+    """What the last step did besides its result.
+
+    Attributes:
+        steps_taken: Of the paper's expression solver, that lowered the energy.
+        outside: How far the furthest coefficient was out of [0, 1] before it was put back.
+        pose: (4, 3) unfiltered rotation matrix, then the translation in mm.
+    """
+
+    steps_taken: int
+    outside: float
+    pose: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
 class EnergySettings:
     """How a frame is solved.
 
@@ -98,7 +113,13 @@ class EnergyTracker:
         self._last, self._shape = np.zeros(n_shapes), np.zeros((3, N_LANDMARKS))
         self._shown_wxyz, self._shown_mm = np.array([1.0, 0, 0, 0]), _USUAL_MM.copy()
         self._history, self._times_s = np.zeros((2, 6)), np.full(2, np.nan)
+        self._steps_taken, self._outside = 0, 0.0
         self.reset()
+
+    @property
+    def state(self) -> SolverState:
+        """What the last step did."""
+        return SolverState(self._steps_taken, self._outside, self._pose.copy())
 
     def use(self, face: Face, camera: Camera) -> None:
         """Go on with another face, focal length or size of pictures; the past is kept.
@@ -212,6 +233,7 @@ class EnergyTracker:
             self._solve_in_turn(time_s)
         else:
             self._solve_jointly()
+        self._outside = float(max(-self._expression.min(), self._expression.max() - 1.0, 0.0))
         np.clip(self._expression, 0.0, 1.0, out=self._expression)
         tables = self._face.tables
         express(tables.neutral, tables.deltas, self._expression, self._work.shape)
@@ -224,7 +246,7 @@ class EnergyTracker:
         predicted = predicted_pose(self._history, self._times_s, time_s)
         self._fit_pose(self._weights, predicted, free=free)
         self._work.root[:] = np.sqrt(self._weights) * self._mm_per_px()
-        fit_expression(
+        self._steps_taken = fit_expression(
             self._face.tables, self._points, self._pinhole, self._paper, self._pose,
             self._settings.paper.expression_iterations, self._work, self._expression,
         )  # fmt: skip
