@@ -163,8 +163,8 @@ class CaptureJudge:
         quality = self._quality(matched, advice, sharp)
         if self._now_wanted:
             self._now_wanted = False
-            taken = Taken(self._shot, frame, seen, quality | {"by_hand": True})
-            return Judgement(advice, matched, ShutterState("done", 1.0, True), taken)
+            by_hand = Taken(self._shot, frame, seen, quality | {"by_hand": True})
+            return Judgement(advice, matched, ShutterState("done", 1.0, True), by_hand)
         state = self._shutter.step(good and not self._paused, still, sharp, frame.time_s)
         if state.best:
             self._best = Taken(self._shot, frame, seen, quality)

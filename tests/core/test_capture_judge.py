@@ -33,7 +33,8 @@ def state_of(angles_deg=(0, 0, 0), expression=None, lost=False):
     values = np.zeros(46) if expression is None else expression
     rotation = quaternion_from_matrix(matrix_from_head_angles(*np.deg2rad(angles_deg)))
     return FaceState(
-        0.0, rotation, [0, 0, 600.0], values, rest.gaze_rad, rest.shape_mm, rest.landmarks_px, 0.9, "free", lost,
+        0.0, rotation, [0, 0, 600.0], values, rest.gaze_rad, rest.shape_mm, rest.landmarks_px,
+        0.9, "free", lost,
     )  # fmt: skip
 
 
