@@ -46,6 +46,7 @@ class Keyframe:
         expression: (B,).
         confidence: In [0, 1].
         place: (4 + B,) where it lies among the others, in steps; 0 is a neutral frontal face.
+        fresh: Whether it is as the tracker left it, not yet fitted.
     """
 
     landmarks: Landmarks2D
@@ -54,6 +55,7 @@ class Keyframe:
     expression: FloatArray
     confidence: float
     place: FloatArray
+    fresh: bool = True
 
     @property
     def strangeness(self) -> float:

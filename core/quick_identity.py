@@ -32,7 +32,7 @@ from core.model_fit import (
 )
 from core.picture_fit import Problem
 from core.quick_frames import Keyframe, Keyframes, KeyframeSettings, place_of
-from core.quick_step import Guess, QuickProblem, Stepped, quick_precision, quick_step
+from core.quick_step import Guess, QuickProblem, Stepped, follow, quick_precision, quick_step
 from core.records import Camera, FloatArray, Landmarks2D, UserBlendshapes
 
 
@@ -41,7 +41,8 @@ class QuickSettings:
     """How the face is fitted while it is tracked.
 
     Attributes:
-        fit: Weights of landmarks and priors.
+        fit: Weights of landmarks and priors. The outline hardly counts: automatic landmarks are
+            worst there.
         frames: Which frames are kept.
         focal_spread: How far webcams are from the first guess of the focal length, as a ratio;
             it stands against the landmarks of all frames.
@@ -54,20 +55,26 @@ class QuickSettings:
         most_calls: Most calls between two faces.
         least_change_mm: A face that differs less is not worth a switch.
         least_focal_change: The same for the logarithm of the focal length.
+        settled_calls: A face that has hardly changed in so many calls has settled.
+        settled_change: What `hardly` is, in the two least changes above.
         tolerance: The fit rests when the energy falls by less than this share.
     """
 
-    fit: FitSettings = field(default_factory=FitSettings)
+    fit: FitSettings = field(
+        default_factory=lambda: FitSettings(contour_weight=0.05, identity_weight=3.0, offset_mm=0.5)
+    )
     frames: KeyframeSettings = field(default_factory=KeyframeSettings)
-    focal_spread: float = 0.1
+    focal_spread: float = 0.2
     known_spread: float = 1e-4
     dispersion: float = 4.0
     least_confidence: float = 0.5
-    first_calls: int = 30
-    slower: float = 1.3
+    first_calls: int = 24
+    slower: float = 1.5
     most_calls: int = 300
     least_change_mm: float = 0.1
     least_focal_change: float = 0.01
+    settled_calls: int = 90
+    settled_change: float = 3.0
     tolerance: float = 1e-3
 
 
@@ -121,11 +128,14 @@ class QuickIdentity:
         self._model, self._camera = model, camera
         self._settings = settings = settings or QuickSettings()
         self._space = fit_space(model)
-        spread = settings.known_spread if focal_known else settings.focal_spread
+        self._usual_spread = settings.known_spread if focal_known else settings.focal_spread
         self._precision = quick_precision(
-            self._space.n_identities, settings.fit.identity_weight, spread, settings.fit.offset_mm
+            self._space.n_identities,
+            settings.fit.identity_weight,
+            self._usual_spread,
+            settings.fit.offset_mm,
         )
-        self._prior_focal_px = camera.focal_px
+        self._usual_focal_px = camera.focal_px
         self.reset()
 
     def reset(self) -> None:
@@ -133,8 +143,8 @@ class QuickIdentity:
         self._keyframes = Keyframes(self._settings.frames)
         self._person = Person(np.zeros(self._space.n_identities), np.zeros((N_INTERNAL, 3)))
         self._face = self._space.face(self._person.identity, self._person.offsets_mm)
-        self._shown = self._face.neutral_mm, np.log(self._camera.focal_px)
-        self._focal_spread = float(self._precision[self._space.n_identities] ** -0.5)
+        self._shown, self._settled = (self._face.neutral_mm, self._camera.focal_px), False
+        self._focal_spread = self._usual_spread
         self._work: Generator[None, None, None] | None = None
         self._damping, self._resting = _DAMPING, True
         self._calls, self._pause = 0, float(self._settings.first_calls)
@@ -168,10 +178,11 @@ class QuickIdentity:
         self._calls += 1
         if self._work is None and not self._resting:
             self._work = self._improve()
-        if self._work is not None and next(self._work, _DONE) is _DONE:
+        if self._work is not None:
+            if next(self._work, _DONE) is not _DONE:
+                return None
             self._work = None
-            return self._release()
-        return None
+        return self._release() if self._calls >= self._pause else None
 
     def _improve(self) -> Generator[None, None, None]:
         """Take one Gauss-Newton step on face, focal length and keyframes."""
@@ -184,6 +195,9 @@ class QuickIdentity:
         guess = Guess(self._person, self._face, self._camera, state)
         problem = self._problem(guess, [one.landmarks for one in frames])
         yield
+        fresh = np.flatnonzero([one.fresh for one in frames]).astype(np.int32)
+        if fresh.size:
+            guess = yield from follow(problem, guess, fresh, _FIRST_ITERATIONS)
         stepped = yield from quick_step(problem, guess, self._damping)
         self._judge(stepped, frames)
 
@@ -196,7 +210,7 @@ class QuickIdentity:
         unprompted = np.full(state.expressions.shape, np.nan)
         prior = expression_prior(unprompted, settings.prior)
         pictures = Problem(guess.camera, observations, prior, settings.pictures)
-        return QuickProblem(self._space, pictures, picks, self._precision, self._prior_focal_px)
+        return QuickProblem(self._space, pictures, picks, self._precision, self._usual_focal_px)
 
     def _judge(self, stepped: Stepped, frames: tuple[Keyframe, ...]) -> None:
         """Keep a step that made the energy fall."""
@@ -208,36 +222,42 @@ class QuickIdentity:
         self._damping = max(self._damping * _LESS, _LEAST_DAMPING)
         guess, state = stepped.guess, stepped.guess.state
         self._person, self._face, self._camera = guess.person, guess.face, guess.camera
-        self._focal_spread = stepped.focal_spread * self._settings.dispersion**0.5
+        spread = stepped.focal_spread * self._settings.dispersion**0.5
+        self._focal_spread = min(spread, self._usual_spread)
         after = tuple(
-            replace(frame, rotation=turned, translation_mm=place, expression=shapes)
+            replace(frame, rotation=turned, translation_mm=place, expression=shapes, fresh=False)
             for frame, turned, place, shapes in zip(
                 frames, state.rotations, state.translations_mm, state.expressions, strict=True
             )
         )
         self._keyframes.solved(frames, after)
-        fresh = len({id(one) for one in self._keyframes.frames} - {id(one) for one in after})
+        fresh = any(one.fresh for one in self._keyframes.frames)
         self._resting = gain < self._settings.tolerance * stepped.before and not fresh
 
     def _release(self) -> Personal | None:
-        """Return the present face if it is time to and worth it."""
-        if self._calls < self._pause:
-            return None
+        """Return the present face if it is worth a switch."""
         settings = self._settings
-        neutral, log_focal = self._shown
-        change = self._face.neutral_mm - neutral
-        change_mm = float(np.sqrt(np.mean(np.sum(change**2, axis=1))))
-        focal_change = abs(float(np.log(self._camera.focal_px)) - log_focal)
-        if change_mm < settings.least_change_mm and focal_change < settings.least_focal_change:
-            return None
-        settled = self._resting and self._pause >= settings.most_calls
+        change = self._change_since_release()
+        settled = self._pause >= settings.settled_calls and change < settings.settled_change
         self._calls, self._pause = 0, min(self._pause * settings.slower, settings.most_calls)
-        self._shown = self._face.neutral_mm, np.log(self._camera.focal_px)
+        if change < 1 and settled <= self._settled:
+            return None
+        self._settled = settled
+        self._shown = self._face.neutral_mm, self._camera.focal_px
         person = self._person
         return Personal(
             self._model, self._camera, person.identity, person.offsets_mm,
             _with_smooth_offsets(self._face, person.offsets_mm), self._focal_spread, settled,
         )  # fmt: skip
+
+    def _change_since_release(self) -> float:
+        """Return how far face and focal length are from those last shown, in least changes."""
+        neutral_mm, focal_px = self._shown
+        moved = np.linalg.norm(self._face.neutral_mm - neutral_mm, axis=1)
+        change_mm = float(np.sqrt(np.mean(moved**2)))
+        ratio = abs(float(np.log(self._camera.focal_px / focal_px)))
+        settings = self._settings
+        return max(change_mm / settings.least_change_mm, ratio / settings.least_focal_change)
 
 
 def _with_smooth_offsets(face: Face, offsets_mm: FloatArray) -> Face:
@@ -251,5 +271,7 @@ def _with_smooth_offsets(face: Face, offsets_mm: FloatArray) -> Face:
 
 
 _DONE = object()
+#: Steps that fit a new keyframe to the present face.
+_FIRST_ITERATIONS = 3
 #: Levenberg-Marquardt: start, least, factor after a good and after a bad step; given up when stuck.
 _DAMPING, _LEAST_DAMPING, _LESS, _MORE, _STUCK = 0.01, 1e-6, 0.1, 10.0, 1e3

@@ -96,7 +96,7 @@ def test_focal_length_is_found_from_turned_heads(model, person):
     quick = QuickIdentity(model, camera_for(SIZE_PX, 690.0), False)
     last = play(quick, state, landmarks)[-1]
     assert abs(last.camera.focal_px - FOCAL_PX) < 60
-    assert 0 < last.focal_spread < 0.1
+    assert 0 < last.focal_spread < 0.15
 
 
 def test_unsure_frames_are_not_looked_at(model, person):
