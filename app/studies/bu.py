@@ -8,7 +8,7 @@ import numpy as np
 
 from app.models import Models
 from app.sources import open_source
-from app.studies.bu_format import LAYOUT, SensorTruth, films_in, read_truth
+from app.studies.bu_format import LAYOUT, SensorPose, films_in, read_truth
 from app.studies.film import Way, track, watch
 from app.studies.measures import errors_between, since_first, together
 from app.studies.pose import POSE_COLUMNS, pose_cells, published_rows
@@ -46,7 +46,7 @@ def run(args: argparse.Namespace, models: Models) -> Generator[Progress, None, R
         with open_source(str(path)) as source:
             film = yield from watch(source, models, args.frames)
         truth = read_truth(table, len(film.seen))
-        states = track(film, models, Way())[: len(truth.mm)]
+        states = track(film, models, Way())[: len(truth)]
         lost += sum(state.lost for state in states)
         if not all(state.lost for state in states):
             pairs.append((path.stem, *moves(states, truth)))
@@ -73,11 +73,10 @@ def run(args: argparse.Namespace, models: Models) -> Generator[Progress, None, R
     return Report("bu", tables, notes)
 
 
-def moves(states: Sequence[FaceState], truth: SensorTruth) -> tuple[Moves, Moves]:
+def moves(states: Sequence[FaceState], truth: Sequence[SensorPose]) -> tuple[Moves, Moves]:
     """Return the tracked and the true movement in the frames that are not lost."""
     kept = [n for n, state in enumerate(states) if not state.lost]
-    true = np.concatenate([truth.degrees, truth.mm], axis=1)[kept]
-    return since_first([states[n] for n in kept]), true - true[0]
+    return since_first([states[n] for n in kept]), since_first([truth[n] for n in kept])
 
 
 def axes_agree(pairs: Sequence[tuple[Moves, Moves]]) -> FloatArray:

@@ -15,6 +15,7 @@ import numpy as np
 
 from app.errors import AppError
 from app.studies.measures import MM_PER_INCH
+from core.geometry import matrix_from_rotation_vector, quaternion_from_matrix
 from core.records import FloatArray, freeze
 
 SUFFIX, FILM_SUFFIXES = ".dat", (".avi", ".mp4", ".mpg", ".mov", ".mkv")
@@ -25,9 +26,6 @@ LAYOUT = (
 )
 #: Rows may be missing at the end, or be one more than frames; more is another film's file.
 _MOST_MISSING = 5
-#: From the numbers of a row to roll, pitch, yaw and x, y, z in our sense.
-_ANGLE_COLUMNS, _ANGLE_SIGNS = [3, 5, 4], np.array([-1.0, -1.0, 1.0])
-_PLACE_SIGNS = np.array([-1.0, 1.0, 1.0])
 
 
 class HeadTrackingDataError(AppError):
@@ -39,20 +37,20 @@ class HeadTrackingDataError(AppError):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SensorTruth:
-    """What the sensor told of a film.
+class SensorPose:
+    """What the sensor told of a frame, in our camera's directions; its zero is its own.
 
     Attributes:
-        degrees: (N, 3) roll, pitch, yaw since the first frame.
-        mm: (N, 3) x, y, z since the first frame; the sensor sits elsewhere on the head than
-            between the eyes, so a turn moves it otherwise.
+        rotation_wxyz: (4,).
+        translation_mm: (3,); the sensor sits elsewhere on the head than between the eyes, so a
+            turn of the head moves it otherwise.
     """
 
-    degrees: FloatArray
-    mm: FloatArray
+    rotation_wxyz: FloatArray
+    translation_mm: FloatArray
 
     def __post_init__(self) -> None:
-        freeze(self, degrees=(np.float64, ("N", 3)), mm=(np.float64, ("N", 3)))
+        freeze(self, rotation_wxyz=(np.float64, (4,)), translation_mm=(np.float64, (3,)))
 
 
 def films_in(folder: Path) -> list[tuple[Path, Path]]:
@@ -78,8 +76,8 @@ def films_in(folder: Path) -> list[tuple[Path, Path]]:
     return pairs
 
 
-def read_truth(path: Path, n_frames: int) -> SensorTruth:
-    """Return the truth of a film's frames.
+def read_truth(path: Path, n_frames: int) -> list[SensorPose]:
+    """Return the truth of a film's frames; some may lack at the end.
 
     Args:
         path: The .dat file.
@@ -93,10 +91,16 @@ def read_truth(path: Path, n_frames: int) -> SensorTruth:
     rows = rows[1:] if len(rows) == n_frames + 1 else rows
     if len(rows) < max(n_frames - _MOST_MISSING, 1):
         raise HeadTrackingDataError(path, f"{len(rows)} rows for a film of {n_frames} frames")
-    rows = rows[:n_frames]
-    degrees = rows[:, _ANGLE_COLUMNS] * _ANGLE_SIGNS
-    mm = rows[:, :3] * _PLACE_SIGNS * MM_PER_INCH
-    return SensorTruth(degrees - degrees[0], mm - mm[0])
+    return [_pose(row) for row in rows[:n_frames]]
+
+
+def _pose(row: FloatArray) -> SensorPose:
+    """Return the pose of x, y, z, roll, yaw, pitch (6,), out of the mirror."""
+    x, y, z, roll, yaw, pitch = row
+    turns = np.diag(np.deg2rad([pitch, -yaw, -roll]))
+    about_x, about_y, about_z = (matrix_from_rotation_vector(turn) for turn in turns)
+    place_mm = MM_PER_INCH * np.array([-x, y, z])
+    return SensorPose(quaternion_from_matrix(about_x @ about_y @ about_z), place_mm)
 
 
 def _rows(path: Path) -> FloatArray:

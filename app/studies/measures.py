@@ -18,7 +18,7 @@ _SHOWN = 0.3
 
 
 class Posed(Protocol):
-    """A solved face: a FaceState, what a solver gives, or a truth."""
+    """A pose of a head: of a FaceState, of what a solver gives, or of a truth."""
 
     @property
     def rotation_wxyz(self) -> FloatArray:
@@ -29,6 +29,10 @@ class Posed(Protocol):
     def translation_mm(self) -> FloatArray:
         """(3,) model to camera."""
         ...
+
+
+class Expressive(Protocol):
+    """What has coefficients: a FaceState, what a solver gives, or a truth."""
 
     @property
     def expression(self) -> FloatArray:
@@ -59,7 +63,7 @@ def together(errors: Sequence[PoseErrors]) -> PoseErrors:
     )
 
 
-def pose_errors(posed: Sequence[Posed], truths: Sequence[Truth]) -> PoseErrors:
+def pose_errors(posed: Sequence[Posed], truths: Sequence[Posed]) -> PoseErrors:
     """Return the errors of pose in the camera frame."""
     pairs = list(zip(posed, truths, strict=True))
     angles = [head_angles_deg(p.rotation_wxyz) - head_angles_deg(t.rotation_wxyz) for p, t in pairs]
@@ -98,7 +102,7 @@ def wrapped_deg(angles: FloatArray) -> FloatArray:
     return np.asarray((np.asarray(angles) + 180.0) % 360.0 - 180.0)
 
 
-def errors_since_first(posed: Sequence[Posed], truths: Sequence[Truth]) -> PoseErrors:
+def errors_since_first(posed: Sequence[Posed], truths: Sequence[Posed]) -> PoseErrors:
     """Return the errors of the movement since the first frame."""
     return errors_between(since_first(posed), since_first(truths))
 
@@ -117,9 +121,11 @@ def landmark_errors_px(
     return frame_rmse_px(np.array([p[:N_INTERNAL] for p in points_px]), true)
 
 
-def coefficient_errors(posed: Sequence[Posed], truths: Sequence[Truth]) -> tuple[float, float]:
+def coefficient_errors(
+    found: Sequence[Expressive], truths: Sequence[Expressive]
+) -> tuple[float, float]:
     """Return the mean error of all coefficients, and of those that are clearly shown."""
-    off = np.abs([p.expression - t.expression for p, t in zip(posed, truths, strict=True)])
+    off = np.abs([f.expression - t.expression for f, t in zip(found, truths, strict=True)])
     shown = np.array([t.expression for t in truths]) > _SHOWN
     return float(off.mean()), float(off[shown].mean()) if shown.any() else float("nan")
 
