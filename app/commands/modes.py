@@ -8,7 +8,7 @@ from app.capture.source import FrameSource
 from app.commands.setup import positive
 from app.errors import AppError
 from app.profiles import profile_folder
-from app.sources import open_source
+from app.sources import SOURCE_HELP, open_source
 from core.camera import camera_for
 from core.records import Camera, FaceState, Frame
 
@@ -111,10 +111,7 @@ def add_source_and_mode(parser: Any) -> None:
     parser.add_argument(
         "profile", metavar="PROFILE", nargs="?", help="name or path of a profile, if there is one"
     )
-    parser.add_argument(
-        "source", metavar="SOURCE",
-        help="video file, folder of images, 'camera', 'camera:1', 'performer'",
-    )  # fmt: skip
+    parser.add_argument("source", metavar="SOURCE", help=SOURCE_HELP)
     parser.add_argument(
         "--mode", choices=MODES,
         help="trained: with the profile's regressor (default with a PROFILE); free: any face, "
