@@ -17,8 +17,10 @@ from core.errors import ArrayShapeError
 FloatArray = NDArray[np.float64]
 F32 = NDArray[np.float32]
 I8 = NDArray[np.int8]
+I16 = NDArray[np.int16]
 I32 = NDArray[np.int32]
 U8 = NDArray[np.uint8]
+U32 = NDArray[np.uint32]
 BoolArray = NDArray[np.bool_]
 
 
