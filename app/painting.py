@@ -165,7 +165,7 @@ class LivePainter:
 
     def _enter(self, cast: Cast) -> None:
         """Centre the portrait anew, and make the avatar unless it was among the last ones."""
-        role = (cast.avatar, cast.user)
+        role = (cast.avatar, cast.user if cast.avatar == OWN else None)
         # The last used is last; the first makes way.
         avatar = self._avatars.pop(role, None) or avatar_from(self._gallery, *role)
         self._avatars[role] = avatar

@@ -37,6 +37,8 @@ from core.usual_rotation import UsualRotation
 
 #: An unknown camera: pictures of a usual webcam, the focal length as long as they are wide.
 UNKNOWN_CAMERA = camera_for((640, 480), 640.0)
+#: Time after which the usual rotation is that of the person.
+ACQUAINTED_S = 2.0
 
 
 class Follower(Protocol):
@@ -118,9 +120,9 @@ class FreeTracker:
         return replace(known, rest_wxyz=self._usual.rotation_wxyz(known.rest_wxyz))
 
     @property
-    def settled(self) -> bool:
-        """Whether `user` will hardly change any more."""
-        return isinstance(self._user, Personal) and self._user.settled
+    def acquainted(self) -> bool:
+        """Whether `user` is the person before the camera rather than anybody."""
+        return isinstance(self._user, Personal) and self._usual.seen_s >= ACQUAINTED_S
 
     @property
     def looked(self) -> Landmarks2D | None:

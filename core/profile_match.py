@@ -40,7 +40,7 @@ class MatchSettings:
     turned_rad: float = 0.6
     memory: float = 6.0
     doubt: float = 0.7
-    own: float = -0.2
+    own: float = -0.3
     other: float = 0.15
 
 

@@ -39,13 +39,20 @@ class UsualRotation:
         turned = facing.T @ matrix_from_quaternion(rotation_wxyz)
         self._angles_rad.append(head_angles_from_matrix(turned))
 
+    @property
+    def seen_s(self) -> float:
+        """For how long heads were seen, as far as that is remembered."""
+        return len(self._angles_rad) * _EVERY_S
+
     def rotation_wxyz(self, unknown_wxyz: FloatArray) -> FloatArray:
         """Return the median rotation (4,) against a head that faces the camera.
 
         Args:
             unknown_wxyz: (4,) what to return while too few heads were seen.
         """
-        if len(self._angles_rad) < _FEWEST:
+        # A list of all is taken in one step: the live view asks while another thread adds.
+        angles = list(self._angles_rad)
+        if len(angles) < _FEWEST:
             return unknown_wxyz
-        angles = np.median(np.array(self._angles_rad), axis=0)
-        return quaternion_from_matrix(matrix_from_head_angles(*angles))
+        middle = np.median(np.array(angles), axis=0)
+        return quaternion_from_matrix(matrix_from_head_angles(*middle))

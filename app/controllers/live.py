@@ -5,14 +5,14 @@ import time
 from PySide6.QtCore import QCoreApplication, QObject, QTimer
 
 from app.controllers.meter import Meter
-from app.controllers.player import Opened, Player, Wanted
+from app.controllers.player import Opened, Performer, Player, Wanted
 from app.controllers.profile_maker import MadeProfile, ProfileMaker
 from app.controllers.scene import AvatarScene
 from app.controllers.tools import Tools
 from app.errors import AppError
 from app.sources import PERFORMER
 from app.views.choice import Choice
-from app.views.live_window import NEW_PROFILE, NO_PROFILE, OPEN_FILE, LiveWindow
+from app.views.live_window import NO_PROFILE, OPEN_FILE, LiveWindow
 from app.views.picture_view import Overlay, image_from_array
 from app.views.status_row import LiveNumbers
 from app.workers.avatar_loop import Painted
@@ -26,19 +26,22 @@ NUMBERS_EVERY_MS = 250
 DRAWN_CURVES = tuple(curve for curve in CURVES if max(curve) < N_INTERNAL)
 #: Below this confidence landmarks are drawn in the warning colour.
 SURE = 0.5
+#: Time without the profile after which the user is told.
+LASTING_S = 3.0
 #: Below this average confidence the user is told that something is wrong.
 DOUBTFUL = 0.25
 
 NO_CAMERA = "No camera was found.\nPlug one in, or try facepuppet without:"
 NO_PICTURE = "There is no picture."
 INVITATION = (
-    "To bring an avatar to life, choose a profile above, or make one: "
-    "a minute of video of your face is enough."
+    "Tracking without a profile. With a profile of your face the avatar follows more closely: "
+    "a minute of video is enough (New profile…)."
 )
-MAKING = "The avatar comes to life when the profile is made."
+MAKING = "Tracking without a profile until the new one is made."
+STRANGER = "This profile does not fit the face in the picture: tracking without it."
 PREPARING = "Preparing the avatar…"
 WAITING = "The avatar comes with the source's picture."
-UNUSABLE = "This profile cannot be used. Choose another one above, or make a new one."
+UNUSABLE = "This profile cannot be used: tracking without it. Choose another, or make a new one."
 BROKEN = (
     "an error of the program stopped this; the terminal shows the details. Choose the source "
     "again to go on"
@@ -54,12 +57,14 @@ class LiveController(QObject):
         self._files: list[str] = []
         self._wanted = Wanted("", NO_PROFILE.key)
         self._state: FaceState | None = None
+        self._performer: Performer | None = None
+        self._trouble, self._free_since_s = False, 0.0
         self._meter = Meter()
         self._scene = AvatarScene(tools, tools.avatars()[0].key, self)
         self._player = Player(tools, self._on_solved, self)
         self._maker = ProfileMaker(self)
         self._timer = QTimer(self)
-        self._timer.timeout.connect(self._show_numbers)
+        self._timer.timeout.connect(self._look_around)
         self._connect_window(window)
         self._connect_work()
 
@@ -111,7 +116,6 @@ class LiveController(QObject):
         self._show_choices()
         self._forget()
         self._window.message_bar.tell("")
-        self._invite()
         if source:
             self._window.source_pane.say(f"Opening {self._window.sources.currentText()}…")
             self._player.play(self._wanted)
@@ -122,19 +126,28 @@ class LiveController(QObject):
 
     def _forget(self) -> None:
         """Leave nothing of the source before on the screen or in the numbers."""
-        self._state = None
+        self._state, self._performer, self._trouble = None, None, False
         self._meter.reset()
         self._scene.leave()
+        self._window.avatar_pane.say(PREPARING if self._wanted.source else WAITING)
+        self._invite()
 
     def _invite(self) -> None:
-        if not self._wanted.profile and self._maker.busy:
-            self._window.avatar_pane.say(MAKING)
-        elif not self._wanted.profile:
-            self._window.avatar_pane.say(INVITATION, [NEW_PROFILE])
-        elif self._wanted.source:
-            self._window.avatar_pane.say(PREPARING)
+        """Say below the pictures what a profile would bring, or why this one is not used."""
+        if self._trouble:
+            hint = UNUSABLE
+        elif self._wanted.profile:
+            hint = STRANGER if self._lastingly_free() else ""
         else:
-            self._window.avatar_pane.say(WAITING)
+            hint = MAKING if self._maker.busy else INVITATION
+        self._window.show_hint(hint)
+
+    def _lastingly_free(self) -> bool:
+        """Whether the profile has not been used for some time although a face is seen."""
+        now_s = time.monotonic()
+        if self._state is None or self._state.lost or self._state.mode != "free":
+            self._free_since_s = now_s
+        return now_s - self._free_since_s > LASTING_S
 
     def _offers(self) -> list[Choice]:
         """Return sources that work everywhere."""
@@ -162,23 +175,28 @@ class LiveController(QObject):
 
     def _on_opened(self, opened: Opened) -> None:
         if opened.trouble is not None:
+            self._trouble = True
             self._window.message_bar.tell(str(opened.trouble))
-            self._window.avatar_pane.say(UNUSABLE, [NEW_PROFILE])
-        if opened.performer is not None:
-            self._scene.enter(opened.performer.user)
+        self._performer = opened.performer
+        self._scene.enter(opened.performer.user)
+        self._invite()
 
-    def _on_solved(self, frame: Frame, state: FaceState | None, delivered_s: float) -> None:
+    def _on_solved(self, frame: Frame, state: FaceState, delivered_s: float) -> None:
         """Count and hand on what was solved; called in the live thread."""
         self._meter.count(frame, state, 1000 * (time.perf_counter() - delivered_s))
-        if state is not None:
-            self._scene.show(state, delivered_s)
+        self._scene.show(state, delivered_s)
+
+    def _get_acquainted(self) -> None:
+        """Give the avatar the head of who was seen without a profile, once it is known."""
+        user = self._performer.learned() if self._performer is not None else None
+        if user is not None:
+            self._performer = None
+            self._scene.become(user)
 
     def _on_framed(self, result: LiveResult) -> None:
         self._state = result.state
         image = image_from_array(result.frame.rgb)
-        if result.state is None:
-            self._window.source_pane.show_picture(image)
-        elif result.state.lost:
+        if result.state.lost:
             self._window.source_pane.show_picture(image, badge="Searching for the face…")
         else:
             self._window.source_pane.show_picture(image, self._overlay(result.state))
@@ -195,16 +213,20 @@ class LiveController(QObject):
 
     def _on_source_failed(self, error: CoreError | AppError) -> None:
         self._forget()
-        self._invite()
         self._window.message_bar.tell(str(error))
         again = Choice(self._wanted.source, "Try again")
         self._window.source_pane.say(NO_PICTURE, [again, *self._offers()])
-        if self._wanted.profile:
-            self._window.avatar_pane.say(WAITING)
+        self._window.avatar_pane.say(WAITING)
 
     def _on_avatar_failed(self, error: AppError) -> None:
         self._window.message_bar.tell(str(error))
         self._window.avatar_pane.say("The avatar cannot be drawn.")
+
+    def _look_around(self) -> None:
+        """Do what need not be done with every frame."""
+        self._get_acquainted()
+        self._invite()
+        self._show_numbers()
 
     def _show_numbers(self) -> None:
         meter = self._meter
@@ -220,11 +242,10 @@ class LiveController(QObject):
             return "off"
         if not self._window.source_pane.has_picture:
             return "opening"
-        if self._state is None:
-            return "idle"
-        if self._state.lost:
+        if self._state is None or self._state.lost:
             return "searching"
-        return "unsure" if self._meter.confidence < DOUBTFUL else "tracking"
+        doubt = "_unsure" if self._meter.confidence < DOUBTFUL else ""
+        return self._state.mode + doubt
 
     # -- making a profile ----------------------------------------------------------------
 
@@ -235,7 +256,7 @@ class LiveController(QObject):
         self._window.new_profile_button.setEnabled(False)
         self._window.job_row.begin(f"Making the profile {name}")
         self._maker.start(self._tools.profile_steps(name, source))
-        self._renew_invitation()
+        self._invite()
 
     def _on_profile_made(self, made: MadeProfile) -> None:
         self._want(self._wanted.source, made.name)
@@ -244,8 +265,4 @@ class LiveController(QObject):
     def _on_making_finished(self) -> None:
         self._window.new_profile_button.setEnabled(True)
         self._window.job_row.end()
-        self._renew_invitation()
-
-    def _renew_invitation(self) -> None:
-        if not self._wanted.profile:
-            self._invite()
+        self._invite()

@@ -31,17 +31,16 @@ class Meter:
             self._solve_ms, self._latency_ms = 0.0, 0.0
             self._confidence = 0.0
 
-    def count(self, frame: Frame, state: FaceState | None, solve_ms: float) -> None:
-        """Count a frame that was solved, or only shown (state None)."""
+    def count(self, frame: Frame, state: FaceState, solve_ms: float) -> None:
+        """Count a frame that was solved."""
         with self._lock:
             self._arrivals_s.append(self._clock())
             if self._solved > WARM_UP_FRAMES:
                 self._dropped += max(0, frame.index - self._last_index - 1)
                 self._solve_ms = averaged(self._solve_ms, solve_ms)
             self._last_index = frame.index
-            if state is not None:
-                self._solved += 1
-                self._confidence = averaged(self._confidence, state.confidence)
+            self._solved += 1
+            self._confidence = averaged(self._confidence, state.confidence)
 
     def count_latency(self, latency_ms: float) -> None:
         """Count a painted picture."""

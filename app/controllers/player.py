@@ -35,12 +35,25 @@ class FaceTracker(Protocol):
         ...
 
 
+def nobody() -> UserBlendshapes | None:
+    """Return that nothing was learned of a user."""
+    return None
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Performer:
-    """A profile ready for use: the tracker of a user, and the user's head."""
+    """A tracker, and whose head it follows.
+
+    Attributes:
+        tracker: Solves the frames.
+        user: Of the profile, None without one.
+        learned: Asked in the window's thread: who was seen meanwhile, None as long as nobody is
+            known.
+    """
 
     tracker: FaceTracker
     user: UserBlendshapes | None
+    learned: Callable[[], UserBlendshapes | None] = nobody
 
 
 class Opener(Protocol):
@@ -54,6 +67,10 @@ class Opener(Protocol):
         """Load a profile and make its tracker."""
         ...
 
+    def open_free(self) -> Performer:
+        """Make a tracker that needs no profile."""
+        ...
+
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
@@ -61,7 +78,7 @@ class Wanted:
 
     Attributes:
         source: Key of a source.
-        profile: Key of a profile; empty only shows the source.
+        profile: Key of a profile; empty tracks without one.
     """
 
     source: str
@@ -75,13 +92,13 @@ class Opened:
     Attributes:
         wanted: What was asked for.
         source: To be closed by who takes it.
-        performer: None without a usable profile.
+        performer: Tracks the face; without the profile, if that cannot be used.
         trouble: Why the profile cannot be used, None if it can or none was asked for.
     """
 
     wanted: Wanted
     source: FrameSource
-    performer: Performer | None
+    performer: Performer
     trouble: CoreError | AppError | None
 
 
@@ -98,20 +115,19 @@ class Opening:
         Raises:
             AppError: The source cannot be read.
         """
-        yield Progress(0, 2, "Loading the profile")
+        yield Progress(0, 2, "Preparing the tracker")
         performer, trouble = self._performer()
         yield Progress(1, 2, "Opening the source")
-        began_again = (lambda: None) if performer is None else performer.tracker.reset
-        source = self._opener.open_source(self._wanted.source, began_again)
+        source = self._opener.open_source(self._wanted.source, performer.tracker.reset)
         self.result = Opened(self._wanted, source, performer, trouble)
 
-    def _performer(self) -> tuple[Performer | None, CoreError | AppError | None]:
+    def _performer(self) -> tuple[Performer, CoreError | AppError | None]:
         if not self._wanted.profile:
-            return None, None
+            return self._opener.open_free(), None
         try:
             return self._opener.open_profile(self._wanted.profile), None
         except (CoreError, AppError) as error:
-            return None, error
+            return self._opener.open_free(), error
 
 
 class Player(QObject):
@@ -129,15 +145,15 @@ class Player(QObject):
     def __init__(
         self,
         opener: Opener,
-        solved: Callable[[Frame, FaceState | None, float], None],
+        solved: Callable[[Frame, FaceState, float], None],
         parent: QObject | None = None,
     ) -> None:
         """Prepare to play.
 
         Args:
             opener: Opens sources and profiles, in a background thread.
-            solved: Called in the live thread with each frame, its state if there is a tracker,
-                and when the frame was delivered, on the clock of time.perf_counter.
+            solved: Called in the live thread with each frame, its state, and when the frame was
+                delivered, on the clock of time.perf_counter.
             parent: Of the object.
         """
         super().__init__(parent)
@@ -195,10 +211,10 @@ class Player(QObject):
         thread.finished.connect(self._on_finished)
         thread.start()
 
-    def _stepper(self, performer: Performer | None) -> Callable[[Frame], FaceState | None]:
-        def step(frame: Frame) -> FaceState | None:
+    def _stepper(self, performer: Performer) -> Callable[[Frame], FaceState]:
+        def step(frame: Frame) -> FaceState:
             delivered_s = time.perf_counter()
-            state = None if performer is None else performer.tracker.step(frame)
+            state = performer.tracker.step(frame)
             self._solved(frame, state, delivered_s)
             return state
 

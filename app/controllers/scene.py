@@ -44,6 +44,11 @@ class AvatarScene(QObject):
         self._state = resting()
         self._play(user)
 
+    def become(self, user: UserBlendshapes) -> None:
+        """Go on as somebody who is better known now."""
+        if self._cast is not None:
+            self._play(user)
+
     def leave(self) -> None:
         """Let nobody play."""
         self._cast = None

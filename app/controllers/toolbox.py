@@ -17,18 +17,16 @@ from app.controllers.player import Performer
 from app.controllers.profile_maker import MadeProfile
 from app.controllers.progress import between
 from app.errors import AppError
-from app.models import Models, live_tracker, load_models
+from app.models import Models, auto_tracker, free_tracker, load_aligner, load_models
 from app.painting import AVATARS, OWN, LivePainter
 from app.performer.opening import SETUP, TAKE_NAMES
 from app.profiles import profile_folder, profile_names
 from app.render.renderer import Renderer
 from app.render.thread import RenderThread
-from app.resources import asset
 from app.setup_steps import Pictures, collect, keep, make_profile
 from app.sources import PERFORMER, open_source
 from app.views.choice import Choice
 from app.workers.avatar_loop import DrawingThread, Painted, painted
-from core.alignment import FaceAligner
 from core.generations import check_target
 from core.records import Progress
 from core.store import Profile, load
@@ -79,13 +77,18 @@ class Toolbox:
         return Looped(partial(open_source, key), began_again)
 
     def open_profile(self, key: str) -> Performer:
-        """Load a profile and make its tracker.
+        """Load a profile and make the tracker that uses it as long as its person is there.
 
         Raises:
             CoreError, AppError: It cannot be used.
         """
         profile = load(profile_folder(key))
-        return Performer(live_tracker(self.models(), profile), profile.user)
+        return Performer(auto_tracker(self.models(), profile), profile.user)
+
+    def open_free(self) -> Performer:
+        """Make a tracker that needs no profile."""
+        tracker = free_tracker(self.models())
+        return Performer(tracker, None, lambda: tracker.user if tracker.acquainted else None)
 
     def models(self) -> Models:
         """Return the shipped models, loaded at the first call from any thread."""
@@ -136,7 +139,7 @@ class Toolbox:
 
     def _collect(self, source: str) -> Generator[Progress, None, Pictures]:
         # The live view may be using the aligner of the models, and that is for one thread.
-        aligner = FaceAligner(asset("aligner"))
+        aligner = load_aligner()
         if source == PERFORMER:
             return (yield from film_performer(aligner))
         return (yield from collect(Path(source), aligner))

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QCloseEvent, QKeySequence, QShortcut
+from PySide6.QtGui import QCloseEvent, QKeySequence, QPalette, QShortcut
 from PySide6.QtWidgets import (
     QCheckBox,
     QHBoxLayout,
@@ -52,6 +52,7 @@ class LiveWindow(QMainWindow):
         self.mirror_box, self.landmarks_box = QCheckBox("&Mirror"), QCheckBox("&Landmarks")
         self.landmarks_box.setChecked(True)
         self.message_bar, self.job_row, self.status = MessageBar(), JobRow(), StatusRow()
+        self.hint = QLabel()
         self._name_trouble: Callable[[str], str] = lambda name: ""
         self._performer = Choice("", "")
         self._build()
@@ -79,6 +80,11 @@ class LiveWindow(QMainWindow):
     def show_numbers(self, numbers: LiveNumbers) -> None:
         """Show the state of tracking and the speeds."""
         self.status.show_numbers(numbers)
+
+    def show_hint(self, text: str) -> None:
+        """Say something that is no trouble, in small print below the pictures; or nothing."""
+        self.hint.setText(text)
+        self.hint.setVisible(bool(text))
 
     def show_mirrored(self, mirrored: bool) -> None:
         """Show both pictures as a mirror does, or as they are."""
@@ -148,6 +154,9 @@ class LiveWindow(QMainWindow):
         self.new_profile_button.setToolTip(NEW_PROFILE.details)
         self.mirror_box.setToolTip("Show both pictures as a mirror does")
         self.landmarks_box.setToolTip("Draw the tracked landmarks over the source")
+        self.hint.setWordWrap(True)
+        self.hint.setAccessibleName("Hint")
+        self.hint.setForegroundRole(QPalette.ColorRole.PlaceholderText)
         splitter = QSplitter()
         splitter.setChildrenCollapsible(False)
         splitter.addWidget(self.source_pane)
@@ -161,6 +170,7 @@ class LiveWindow(QMainWindow):
         layout.addWidget(self.message_bar)
         layout.addWidget(self.job_row)
         layout.addWidget(splitter, stretch=1)
+        layout.addWidget(self.hint)
         self.setCentralWidget(center)
         self.setStatusBar(self.status)
 

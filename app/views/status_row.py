@@ -11,10 +11,11 @@ GOOD, WAITING, OFF = QColor(46, 160, 67), QColor(219, 140, 0), QColor(128, 128, 
 STATES = {
     "off": ("No source", OFF),
     "opening": ("Opening…", WAITING),
-    "idle": ("Not tracking: no profile in use", OFF),
     "searching": ("Searching for the face", WAITING),
-    "unsure": ("Unsure: other light, or not the person of the profile?", WAITING),
-    "tracking": ("Tracking", GOOD),
+    "trained": ("Tracking, trained", GOOD),
+    "trained_unsure": ("Unsure: other light, or not the person of the profile?", WAITING),
+    "free": ("Tracking, training-free", GOOD),
+    "free_unsure": ("Unsure: is the whole face in the picture, and in the light?", WAITING),
 }
 #: Field -> the longest text, what it means.
 FIELDS = {
@@ -98,12 +99,11 @@ class StatusRow(QStatusBar):
         text, color = STATES[numbers.state]
         self._state.setText(text)
         self._lamp.show_color(color)
-        sees = numbers.state in ("unsure", "tracking")
+        sees = numbers.state not in ("off", "opening", "searching")
         solves = sees or numbers.state == "searching"
-        plays = solves or numbers.state == "idle"
         texts = {
             "confidence": (f"confidence {100 * numbers.confidence:.0f} %", sees),
-            "rate": (f"{numbers.frames_per_second:.0f} fps", plays),
+            "rate": (f"{numbers.frames_per_second:.0f} fps", solves),
             "solve": (f"solve {numbers.solve_ms:.1f} ms", solves and numbers.solve_ms > 0),
             "latency": (f"latency {numbers.latency_ms:.0f} ms", solves and numbers.latency_ms > 0),
             "dropped": (f"{numbers.dropped} dropped", solves),

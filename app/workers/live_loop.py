@@ -19,12 +19,12 @@ class LiveResult:
 
     Attributes:
         frame: The frame.
-        state: The solved face, None while the source is only shown.
+        state: The solved face.
         step_ms: Wall time of the step.
     """
 
     frame: Frame
-    state: FaceState | None
+    state: FaceState
     step_ms: float
 
 
@@ -43,7 +43,7 @@ class LiveLoop(QThread):
     def __init__(
         self,
         source: FrameSource,
-        step: Callable[[Frame], FaceState | None],
+        step: Callable[[Frame], FaceState],
         parent: QObject | None = None,
     ) -> None:
         """Prepare to play a source, which this loop owns from now on.

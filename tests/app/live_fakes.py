@@ -20,10 +20,10 @@ FRAME_S = 0.004
 AVATAR_LEVELS = {"own": 100, "nora": 200}
 
 
-def make_state(time_s=0.0, lost=False, confidence=0.9):
+def make_state(time_s=0.0, lost=False, confidence=0.9, mode="trained"):
     return FaceState(
         time_s, [1, 0, 0, 0], [0, 0, 600], np.zeros(46), np.zeros((2, 2)), np.zeros((75, 3)),
-        np.full((75, 2), 20.0), confidence, "trained", lost,
+        np.full((75, 2), 20.0), confidence, mode, lost,
     )  # fmt: skip
 
 
@@ -57,13 +57,14 @@ class FakeSource:
 
 
 class FakeTracker:
-    def __init__(self, toolbox):
-        self.toolbox, self.resets = toolbox, 0
+    def __init__(self, toolbox, mode):
+        self.toolbox, self.mode, self.resets = toolbox, mode, 0
 
     def step(self, frame):
         if self.toolbox.tracker_error is not None:
             raise self.toolbox.tracker_error
-        return make_state(frame.time_s, self.toolbox.lost, self.toolbox.confidence)
+        mode = "free" if self.toolbox.stranger else self.mode
+        return make_state(frame.time_s, self.toolbox.lost, self.toolbox.confidence, mode)
 
     def reset(self):
         self.resets += 1
@@ -103,6 +104,7 @@ class FakeToolbox:
         self.gate = threading.Event()
         self.gate.set()
         self.lost, self.confidence = False, 0.9
+        self.stranger, self.learned = False, None
         self.read_error = self.tracker_error = self.render_error = None
         self.wishes, self.render_threads = [], 0
         self.making_gate, self.making_error = threading.Event(), None
@@ -132,7 +134,11 @@ class FakeToolbox:
         assert threading.current_thread() is not threading.main_thread()
         if key in self.damaged:
             raise ProfileDamagedError("profile.json", "incomplete", "a header")
-        return Performer(FakeTracker(self), None)
+        return Performer(FakeTracker(self, "trained"), None)
+
+    def open_free(self):
+        assert threading.current_thread() is not threading.main_thread()
+        return Performer(FakeTracker(self, "free"), None, lambda: self.learned)
 
     def name_trouble(self, name):
         return "this name has a '?' in it" if "?" in name else ""

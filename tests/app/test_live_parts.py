@@ -67,7 +67,7 @@ def test_the_rate_is_that_of_the_last_frames_and_falls_to_zero_when_none_come():
     assert meter.frames_per_second() == 0
     for index in range(50):
         clock.now_s += 0.1 if index < 10 else 0.04
-        meter.count(make_frame(index), None, 1.0)
+        meter.count(make_frame(index), make_state(), 1.0)
     assert meter.frames_per_second() == pytest.approx(25)
     clock.now_s += 1.5
     assert meter.frames_per_second() == 0
@@ -87,13 +87,6 @@ def test_frames_dropped_before_tracking_runs_do_not_count():
     assert meter.solve_ms == pytest.approx(4.0)
     meter.reset()
     assert (meter.dropped, meter.solve_ms, meter.confidence) == (0, 0, 0)
-
-
-def test_without_a_tracker_nothing_is_dropped():
-    meter = Meter()
-    for index in range(0, 200, 5):
-        meter.count(make_frame(index), None, 1.0)
-    assert (meter.dropped, meter.solve_ms) == (0, 0)
 
 
 def test_progress_of_parts_is_that_of_the_whole_and_never_goes_back():

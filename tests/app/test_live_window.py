@@ -6,11 +6,12 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QAbstractButton, QComboBox, QFileDialog
 
-from app.controllers.live import BROKEN, INVITATION, UNUSABLE, LiveController
+from app.controllers import live as live_controller
+from app.controllers.live import BROKEN, INVITATION, MAKING, STRANGER, UNUSABLE, LiveController
 from app.controllers.toolbox import Toolbox
 from app.errors import CameraLostError, SeveralFacesError
 from app.sources import PERFORMER
-from app.views.live_window import NEW_PROFILE, NO_PROFILE, OPEN_FILE, LiveWindow
+from app.views.live_window import NO_PROFILE, OPEN_FILE, LiveWindow
 from app.views.new_profile import NewProfileDialog
 from app.workers.job import Job
 from app.workers.live_loop import LiveLoop
@@ -103,21 +104,48 @@ def test_a_camera_plugged_in_later_is_in_the_list_when_it_drops_down(live):
     window.sources.hidePopup()
 
 
-def test_without_a_profile_the_picture_is_shown_beside_an_invitation(live, qtbot):
+def test_without_a_profile_the_avatar_moves_at_once_above_an_invitation(live, qtbot):
     window = live(FakeToolbox())
+    qtbot.waitUntil(lambda: window.avatar_pane.has_picture)
     qtbot.waitUntil(plays(window, CAMERA))
-    assert window.avatar_pane.notice.text == INVITATION
-    assert [one.text() for one in window.avatar_pane.notice.buttons] == [NEW_PROFILE.text]
-    qtbot.waitUntil(lambda: window.status.state.startswith("Not tracking"))
+    assert window.hint.text() == INVITATION and window.hint.isVisible()
+    qtbot.waitUntil(lambda: window.status.state == "Tracking, training-free")
     qtbot.waitUntil(lambda: window.status.field("rate").endswith("fps"))
-    assert not window.avatar_pane.has_picture and window.status.field("solve") == ""
+    qtbot.waitUntil(lambda: most_blue(window.source_pane.picture) > 150)
+
+
+def test_the_avatar_takes_on_the_head_that_was_learned_meanwhile_and_only_once(live, qtbot):
+    toolbox = FakeToolbox()
+    window = live(toolbox)
+    qtbot.waitUntil(lambda: window.avatar_pane.has_picture)
+    assert {wish.cast.user for wish in toolbox.wishes} == {None}
+    toolbox.learned = learned = object()
+    qtbot.waitUntil(lambda: toolbox.wishes[-1].cast.user is learned)
+    cast = toolbox.wishes[-1].cast
+    toolbox.learned = object()
+    qtbot.wait(600)
+    assert toolbox.wishes[-1].cast is cast
+
+
+def test_a_profile_that_does_not_fit_the_face_is_told_without_fuss(live, qtbot, monkeypatch):
+    monkeypatch.setattr(live_controller, "LASTING_S", 0.3)
+    toolbox = FakeToolbox(profiles=["anna"])
+    window = live(toolbox)
+    qtbot.waitUntil(lambda: window.status.state == "Tracking, trained")
+    assert window.hint.text() == ""
+    toolbox.stranger = True
+    qtbot.waitUntil(lambda: window.status.state == "Tracking, training-free")
+    qtbot.waitUntil(lambda: window.hint.text() == STRANGER)
+    assert window.message_bar.text == "" and window.avatar_pane.has_picture
+    toolbox.stranger = False
+    qtbot.waitUntil(lambda: window.hint.text() == "")
 
 
 def test_with_a_profile_avatar_landmarks_and_numbers_are_shown(live, qtbot):
     toolbox = FakeToolbox(profiles=["anna"])
     window = live(toolbox)
     qtbot.waitUntil(lambda: window.avatar_pane.has_picture)
-    qtbot.waitUntil(lambda: window.status.state == "Tracking")
+    qtbot.waitUntil(lambda: window.status.state == "Tracking, trained")
     assert window.profiles.currentData() == "anna"
     qtbot.waitUntil(lambda: window.status.field("dropped") == "0 dropped")
     qtbot.waitUntil(lambda: window.status.field("latency") != "")
@@ -145,16 +173,17 @@ def test_lasting_doubt_is_told(live, qtbot):
     qtbot.waitUntil(lambda: window.status.state.startswith("Unsure"))
 
 
-def test_a_damaged_profile_is_told_and_the_picture_still_shown(live, qtbot):
+def test_a_damaged_profile_is_told_and_the_face_tracked_without_it(live, qtbot):
     toolbox = FakeToolbox(profiles=["anna", "bert"])
     toolbox.damaged = {"anna"}
     window = live(toolbox)
     qtbot.waitUntil(plays(window, CAMERA))
     assert "make it anew" in window.message_bar.text
-    assert window.avatar_pane.notice.text == UNUSABLE
+    qtbot.waitUntil(lambda: window.hint.text() == UNUSABLE)
+    qtbot.waitUntil(lambda: window.status.state == "Tracking, training-free")
     choose(window.profiles, "bert")
-    qtbot.waitUntil(lambda: window.avatar_pane.has_picture)
-    assert window.message_bar.text == ""
+    qtbot.waitUntil(lambda: window.status.state == "Tracking, trained")
+    assert window.message_bar.text == "" and window.hint.text() == ""
 
 
 def test_a_busy_camera_can_be_tried_again(live, qtbot):
@@ -224,7 +253,7 @@ def test_a_machine_that_cannot_draw_still_shows_landmarks(live, qtbot):
     toolbox.render_error = no_opengl()
     window = live(toolbox)
     qtbot.waitUntil(lambda: "no OpenGL" in window.message_bar.text)
-    qtbot.waitUntil(lambda: window.status.state == "Tracking")
+    qtbot.waitUntil(lambda: window.status.state == "Tracking, trained")
     toolbox.render_error = None
     choose(window.avatars, "nora")
     qtbot.waitUntil(lambda: shown_level(window.avatar_pane) == AVATAR_LEVELS["nora"])
@@ -307,11 +336,11 @@ def test_a_new_profile_is_made_beside_the_live_picture_and_then_used(live, qtbot
     dialog.accept()
     qtbot.waitUntil(lambda: window.job_row.text.startswith("Training the regressor"))
     assert not window.new_profile_button.isEnabled() and toolbox.made_from == [str(tmp_path)]
-    assert not window.avatar_pane.notice.buttons
-    assert plays(window, CAMERA)()
+    assert window.hint.text() == MAKING
+    assert plays(window, CAMERA)() and window.avatar_pane.has_picture
     toolbox.making_gate.set()
-    qtbot.waitUntil(lambda: window.avatar_pane.has_picture)
-    assert window.profiles.currentData() == "anna"
+    qtbot.waitUntil(lambda: window.profiles.currentData() == "anna")
+    qtbot.waitUntil(lambda: window.status.state == "Tracking, trained")
     assert window.message_bar.text == "The profile anna was made."
     assert window.job_row.text == "" and window.new_profile_button.isEnabled()
 
@@ -326,7 +355,7 @@ def test_making_a_profile_can_be_cancelled(live, qtbot):
     qtbot.waitUntil(lambda: window.job_row.text == "")
     assert toolbox.profile_names == [] and window.message_bar.text == ""
     assert window.new_profile_button.isEnabled()
-    assert window.avatar_pane.notice.text == INVITATION
+    assert window.hint.text() == INVITATION
 
 
 def test_a_video_that_gives_no_profile_is_told_with_what_to_do(live, qtbot):
@@ -372,8 +401,8 @@ def test_every_control_has_a_name_and_is_reached_by_the_keyboard(live, qtbot):
         found = [*window.findChildren(QComboBox), *window.findChildren(QAbstractButton)]
         return [one for one in found if one.isVisible()]
 
-    # Three lists, two boxes, the new profile, and the notices' buttons.
-    qtbot.waitUntil(lambda: len(controls()) == 9)
+    # Three lists, two boxes, the new profile, and the notice's two buttons.
+    qtbot.waitUntil(lambda: len(controls()) == 8)
     for control in controls():
         assert control.accessibleName() or getattr(control, "text", str)(), control
         assert control.focusPolicy() & Qt.FocusPolicy.TabFocus, control
@@ -396,7 +425,7 @@ def test_the_virtual_performer_gets_a_profile_and_moves_an_avatar(live, qtbot, m
     qtbot.waitUntil(lambda: window.profiles.currentData() == "mara", timeout=60_000)
     assert re.search(r"made from 1\d pictures", window.message_bar.text)
     qtbot.waitUntil(lambda: window.avatar_pane.has_picture, timeout=30_000)
-    qtbot.waitUntil(lambda: window.status.state == "Tracking", timeout=20_000)
+    qtbot.waitUntil(lambda: window.status.state == "Tracking, trained", timeout=40_000)
     before = pixels_of(window.avatar_pane.picture)
     qtbot.waitUntil(
         lambda: moved(before, pixels_of(window.avatar_pane.picture)) > 1e-3, timeout=20_000
