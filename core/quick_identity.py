@@ -33,6 +33,7 @@ from core.model_fit import (
 from core.picture_fit import Problem
 from core.quick_frames import Keyframe, Keyframes, KeyframeSettings, place_of
 from core.quick_step import Guess, QuickProblem, Stepped, follow, quick_precision, quick_step
+from core.quick_stranger import StrangerSettings, StrangerWatch
 from core.records import Camera, FloatArray, Landmarks2D, UserBlendshapes
 
 
@@ -44,6 +45,7 @@ class QuickSettings:
         fit: Weights of landmarks and priors. The outline hardly counts: automatic landmarks are
             worst there.
         frames: Which frames are kept.
+        stranger: When another person is taken to sit there.
         focal_spread: How far webcams are from the first guess of the focal length, as a ratio;
             it stands against the landmarks of all frames.
         known_spread: The same where the focal length is known.
@@ -64,6 +66,7 @@ class QuickSettings:
         default_factory=lambda: FitSettings(contour_weight=0.05, identity_weight=3.0, offset_mm=0.5)
     )
     frames: KeyframeSettings = field(default_factory=KeyframeSettings)
+    stranger: StrangerSettings = field(default_factory=StrangerSettings)
     focal_spread: float = 0.2
     known_spread: float = 1e-4
     dispersion: float = 4.0
@@ -139,12 +142,16 @@ class QuickIdentity:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the person, but not the camera."""
+        """Forget the person, but not the camera; called by itself when somebody else sits down.
+
+        The face in use stays in use until there is a better one.
+        """
         self._keyframes = Keyframes(self._settings.frames)
         self._person = Person(np.zeros(self._space.n_identities), np.zeros((N_INTERNAL, 3)))
         self._face = self._space.face(self._person.identity, self._person.offsets_mm)
         self._shown, self._settled = (self._face.neutral_mm, self._camera.focal_px), False
         self._focal_spread = self._usual_spread
+        self._stranger = StrangerWatch(self._face, self._camera, self._settings.stranger)
         self._work: Generator[None, None, None] | None = None
         self._damping, self._resting = _DAMPING, True
         self._calls, self._pause = 0, float(self._settings.first_calls)
@@ -154,6 +161,8 @@ class QuickIdentity:
         translation_mm: FloatArray, confidence: float,
     ) -> None:  # fmt: skip
         """Show a tracked frame; it is kept if it is good and unlike those that are kept.
+
+        Frames that have long been of somebody else start the search for the face anew.
 
         Args:
             landmarks: Of the generic aligner.
@@ -170,6 +179,8 @@ class QuickIdentity:
         keyframe = Keyframe(
             landmarks, rotation, np.array(translation_mm), np.array(expression), confidence, place
         )
+        if self._stranger.is_stranger(keyframe):
+            self.reset()
         if self._keyframes.offer(keyframe):
             self._resting = False
 
@@ -244,6 +255,7 @@ class QuickIdentity:
             return None
         self._settled = settled
         self._shown = self._face.neutral_mm, self._camera.focal_px
+        self._stranger.use(self._face, self._camera)
         person = self._person
         return Personal(
             self._model, self._camera, person.identity, person.offsets_mm,
