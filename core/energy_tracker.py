@@ -40,6 +40,10 @@ _USUAL_MM = np.array([0.0, 0.0, 600.0])
 _GOOD_MM, _HOPELESS_MM = 4.0, 14.0
 #: Landmarks less sure than this are not used for a first pose.
 _SURE = 0.3
+#: Landmarks within so few px are no face.
+_SMALLEST_PX = 3.0
+#: Where a head can be, mm, and how far it can turn from the camera, as a cosine.
+_NEAREST_MM, _FURTHEST_MM, _TURNED_AWAY = 80.0, 2e4, -0.2
 
 
 class Solved(NamedTuple):
@@ -156,19 +160,17 @@ class EnergyTracker:
         self._take(points_px, confidence)
         if time_s <= self._times_s[0]:
             self.reset()
-        if not self._weights.any():
+        if not self._looks_like_something():
             return self._solved(0.0, 0.0)
-        fresh = np.isnan(self._times_s[0])
-        if fresh:
-            self._start()
-        rms_px = self._solve(time_s)
-        if not fresh and rms_px * self._mm_per_px() > _HOPELESS_MM:
+        rms_px = self._track(time_s)
+        if not self._is_possible():
             self.reset()
-            self._start()
-            rms_px = self._solve(time_s)
+            return self._solved(rms_px, 0.0)
         self._remember(time_s)
         quality = (_HOPELESS_MM - rms_px * self._mm_per_px()) / (_HOPELESS_MM - _GOOD_MM)
-        return self._solved(rms_px, float(np.clip(quality, 0, 1) * confidence.mean()))
+        return self._solved(
+            rms_px, float(np.clip(quality, 0, 1) * np.clip(confidence, 0, 1).mean())
+        )
 
     def points_mm(self) -> FloatArray:
         """Return internal landmarks and replacement points (75, 3) of the last solution."""
@@ -197,19 +199,57 @@ class EnergyTracker:
     def _mm_per_px(self) -> float:
         return float(self._pose[3, 2] / self._pinhole[0])
 
+    def _looks_like_something(self) -> bool:
+        """Return whether there are landmarks to be seen, and not all in one place."""
+        total = float(self._weights.sum())
+        if total <= 0:
+            return False
+        offsets = self._points - (self._points @ self._weights / total)[:, None]
+        return bool(np.sum(offsets**2 @ self._weights) > total * _SMALLEST_PX**2)
+
+    def _is_possible(self) -> bool:
+        """Return whether a head can be where the solver put it."""
+        return bool(
+            np.isfinite(self._pose).all()
+            and _NEAREST_MM < self._pose[3, 2] < _FURTHEST_MM
+            and self._pose[2, 2] > _TURNED_AWAY
+        )
+
+    def _track(self, time_s: float) -> float:
+        """Solve a frame from the last one, or anew if that fails; return the distance in px."""
+        if not np.isnan(self._times_s[0]):
+            rms_px = self._solve(time_s)
+            if self._is_possible() and rms_px * self._mm_per_px() < _HOPELESS_MM:
+                return rms_px
+            self.reset()
+        self._start()
+        return self._solve(time_s)
+
     def _start(self) -> None:
         """Find a first pose from the landmarks that expressions hardly move."""
         robust = np.isin(self._rows, ROBUST) & (self._weights > _SURE)
         if robust.sum() < 6:
             robust = self._weights > 0
         weights = np.where(robust, self._weights, 0.0)
-        tables = self._face.tables
-        self._pose[:3], self._pose[3] = np.eye(3), _USUAL_MM
-        pick_outline(tables, self._pose, self._expression, self._work)
-        rotation, place = pose_from_points(self._camera, tables.neutral.T, self._points.T, weights)
-        if rotation[2, 2] > 0 and np.isfinite(place).all() and place[2] > 0:
+        self._place_facing()
+        rotation, place = pose_from_points(
+            self._camera, self._face.tables.neutral.T, self._points.T, weights
+        )
+        if np.isfinite(place).all() and place[2] > _NEAREST_MM and rotation[2, 2] > 0:
             self._pose[:3], self._pose[3] = rotation, place
         self._fit_pose(weights, self._row(), free=True)
+
+    def _place_facing(self) -> None:
+        """Put a face that looks into the camera where the landmarks are, as large as they are."""
+        tables, share = self._face.tables, self._weights / self._weights.sum()
+        self._pose[:3], self._pose[3] = np.eye(3), _USUAL_MM
+        pick_outline(tables, self._pose, self._expression, self._work)
+        middle, seen = tables.neutral @ share, self._points @ share
+        size_mm = np.sqrt(np.sum((tables.neutral[:2] - middle[:2, None]) ** 2 @ share))
+        size_px = np.sqrt(np.sum((self._points - seen[:, None]) ** 2 @ share))
+        depth = self._pinhole[0] * size_mm / size_px
+        across = (seen - self._pinhole[1:]) * depth / self._pinhole[0]
+        self._pose[3] = np.array([*across, depth]) - middle
 
     def _row(self) -> FloatArray:
         """Return rotation vector and translation in a row."""
@@ -228,8 +268,8 @@ class EnergyTracker:
 
     def _solve(self, time_s: float) -> float:
         """Solve a frame from where the last one ended; return the distance left in px."""
-        pick_outline(self._face.tables, self._pose, self._expression, self._work)
         if self._settings.solver == "paper":
+            pick_outline(self._face.tables, self._pose, self._expression, self._work)
             self._solve_in_turn(time_s)
         else:
             self._solve_jointly()
@@ -245,6 +285,7 @@ class EnergyTracker:
         free = bool(np.isnan(self._times_s[0]))
         predicted = predicted_pose(self._history, self._times_s, time_s)
         self._fit_pose(self._weights, predicted, free=free)
+        pick_outline(self._face.tables, self._pose, self._expression, self._work)
         self._work.root[:] = np.sqrt(self._weights) * self._mm_per_px()
         self._steps_taken = fit_expression(
             self._face.tables, self._points, self._pinhole, self._paper, self._pose,

@@ -19,6 +19,8 @@ N_POSE = 6
 _NEAREST_MM = 20.0
 #: A strip seen exactly from the side counts as near, as in core.contour.
 _EDGE_ON = 1e-6
+#: The outline is chosen anew in so many of the first joint steps; later it could go to and fro.
+_PICKS = 3
 
 
 class FaceTables(NamedTuple):
@@ -664,7 +666,10 @@ def _move_pose(step: FloatArray, longest_turn: float, turn: FloatArray, pose: Fl
     for d in range(3):
         # The last rows of the work matrix are not used by the rotation.
         turn[3, d] = share * step[d]
-        pose[3, d] += share * step[3 + d]
+        pose[3, d] += share * step[3 + d] if d < 2 else 0.0
+    # The inverse of the depth is what a picture shows: a long step overshoots.
+    depth = pose[3, 2]
+    pose[3, 2] = min(max(depth + share * step[5], 0.6 * depth), 1.7 * depth)
     matrix_of(turn[3, :3], turn)
     for j in range(3):
         x, y, z = pose[0, j], pose[1, j], pose[2, j]
@@ -700,7 +705,9 @@ def fit_jointly(
 ) -> float:
     """Minimise all terms over pose and coefficients; return the robust energy of the data."""
     widen = 4.0
-    for _ in range(iterations):
+    for n in range(iterations):
+        if n < _PICKS:
+            pick_outline(face, pose, coefficients, work)
         express(face.neutral, face.deltas, coefficients, work.shape)
         weigh(points, camera, pose, weights, terms.robust, widen, work)
         widen *= 0.25
