@@ -13,6 +13,7 @@ from app.errors import SeveralFacesError, TooFewPicturesError
 from app.profiles import encoded_pictures
 from core.alignment import Alignment
 from core.arkit import EXPRESSION_NAMES
+from core.blind_pictures import prompt_of
 from core.errors import NoFaceError
 from core.face_model import FaceModel
 from core.face_regions import FaceBox
@@ -87,8 +88,22 @@ def from_folder(folder: Path, aligner: Aligner) -> Generator[Progress, None, Pic
     if len(blind) == len(names):
         raise NoFaceError(f"any of the {len(names)} pictures of {folder}")
     standard = np.stack([standard_for(name) for name in names])
-    notes = [f"no face found in {listed(blind)}: left out"] if blind else []
-    return Pictures(SetupImages(rgbs, names, standard), tuple(landmarks), tuple(notes))
+    return Pictures(SetupImages(rgbs, names, standard), tuple(landmarks), blind_notes(blind))
+
+
+def blind_notes(names: Sequence[str]) -> tuple[str, ...]:
+    """Return what to tell about pictures in which no face was found."""
+    prompted = [name for name in names if prompt_of(name)]
+    others = [name for name in names if name not in prompted]
+    notes = []
+    if prompted:
+        notes.append(
+            f"no face found in {listed(prompted)}: placed by the prompt, not trained on "
+            "unless you place landmarks"
+        )
+    if others:
+        notes.append(f"no face found in {listed(others)}: left out")
+    return tuple(notes)
 
 
 def from_video(path: Path, aligner: Aligner) -> Generator[Progress, None, Pictures]:
@@ -107,7 +122,7 @@ def from_video(path: Path, aligner: Aligner) -> Generator[Progress, None, Pictur
         raise TooFewPicturesError(path.name, len(chosen), LEAST_PICTURES)
     landmarks = {one.index: marks for one, marks in found}
     frames = yield from _pick(path, chosen)
-    alone = [frame for frame in frames if not _rivals(aligner.detect(frame.rgb))]
+    alone = [frame for frame in frames if not rivals(aligner.detect(frame.rgb))]
     if len(alone) < max(LEAST_PICTURES, len(frames) // 2):
         raise SeveralFacesError(f"most frames of {path.name}", 2)
     if len(alone) < len(frames):
@@ -172,12 +187,12 @@ def check_one_person(faces: Sequence[FaceBox], where: str) -> None:
     Raises:
         SeveralFacesError: It is not.
     """
-    rivals = _rivals(faces)
-    if rivals:
-        raise SeveralFacesError(where, 1 + rivals)
+    others = rivals(faces)
+    if others:
+        raise SeveralFacesError(where, 1 + others)
 
 
-def _rivals(faces: Sequence[FaceBox]) -> int:
+def rivals(faces: Sequence[FaceBox]) -> int:
     """Return how many faces beside the largest are about as large."""
     widths = sorted(float(face.size_px[0]) for face in faces)
     return sum(width >= RIVAL_SHARE * widths[-1] for width in widths[:-1])

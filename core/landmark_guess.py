@@ -10,7 +10,7 @@ import numpy as np
 
 from core.camera import project
 from core.face_model import FaceModel, eye_centers_mm
-from core.fit_problem import State, picked
+from core.fit_problem import State, picked, posed
 from core.fit_space import face_at
 from core.geometry import matrix_from_head_angles, matrix_from_quaternion
 from core.model_fit import choose_picks
@@ -35,14 +35,43 @@ def guess_landmarks(
         fitted: Prompts of the N pictures that were fitted.
         fit: Their fit.
     """
-    rotation, translation = expected_pose(shot, fitted, fit)
-    state = State(rotation[None], translation[None], shot.standard[None])
+    return landmarks_at(model, user, camera, expected_state(shot, fitted, fit))
+
+
+def landmarks_at(
+    model: FaceModel, user: UserBlendshapes, camera: Camera, state: State
+) -> Landmarks2D:
+    """Return the landmarks of the one picture of a state, confidence 0, eyes straight ahead."""
     face = face_at(model, user)
     points = project(camera, picked(face, state, choose_picks(face, state)))[0]
-    pupils = eye_centers_mm(model, user.neutral_mm) - np.array([0.0, 0.0, model.eyeball_radius_mm])
-    pupils_px = project(camera, pupils @ rotation.T + translation)
+    pupils = project(camera, posed(straight_pupils_mm(model, user)[None], state))[0]
     n_points = len(points)
-    return Landmarks2D(points, np.zeros(n_points, bool), np.zeros(n_points), pupils_px, np.zeros(2))
+    return Landmarks2D(points, np.zeros(n_points, bool), np.zeros(n_points), pupils, np.zeros(2))
+
+
+def straight_pupils_mm(model: FaceModel, user: UserBlendshapes) -> FloatArray:
+    """Return both pupils (2, 3) of eyes that look straight ahead, in the model frame."""
+    forward = np.array([0.0, 0.0, model.eyeball_radius_mm])
+    return np.asarray(eye_centers_mm(model, user.neutral_mm) - forward)
+
+
+def placed_kept(guess: Landmarks2D, before: Landmarks2D) -> Landmarks2D:
+    """Return a guess with the points that the user has placed."""
+    placed = before.edited
+    seen = before.pupil_confidence > 0
+    return Landmarks2D(
+        np.where(placed[:, None], before.points_px, guess.points_px),
+        placed,
+        np.where(placed, before.confidence, guess.confidence),
+        np.where(seen[:, None], before.pupils_px, guess.pupils_px),
+        before.pupil_confidence,
+    )
+
+
+def expected_state(shot: Shot, fitted: Sequence[Shot], fit: ModelFit) -> State:
+    """Return pose and coefficients in which a prompt will have been followed; see below."""
+    rotation, translation = expected_pose(shot, fitted, fit)
+    return State(rotation[None], translation[None], shot.standard[None])
 
 
 def expected_pose(

@@ -10,13 +10,14 @@ from typing import TypeVar
 import numpy as np
 
 from core.blendshapes import user_blendshapes
+from core.blind_pictures import Placed, Sorting, sort_pictures, with_guesses
 from core.calibration import CalibrationSettings, FocalEstimate, estimate_focal
 from core.camera import camera_for
 from core.errors import CoreError
 from core.evaluation import TABLE_WIDTH_PX
 from core.face_model import FaceModel
 from core.held_out import HeldOutSettings, held_out_report
-from core.model_fit import LEAST_LANDMARKS, FitSettings, fit_model, trusted_landmarks
+from core.model_fit import FitSettings, fit_model
 from core.records import (
     U8,
     Camera,
@@ -71,12 +72,12 @@ class Built:
 
     Attributes:
         camera: Of the setup pictures.
-        images: The pictures used.
+        images: The pictures used, and those whose landmarks are guessed.
         landmarks: Their landmarks.
-        fit: The bilinear model fitted to them.
+        fit: The bilinear model fitted to them; rows of guessed ones are what is expected.
         user: The user's blendshapes.
         shapes: The 3D shape of every picture.
-        regressor: Trained on all of them.
+        regressor: Trained on all that are not guessed.
         report: Figures for people, JSON-ready.
     """
 
@@ -98,22 +99,28 @@ def gray_from_rgb(rgb: U8) -> U8:
 
 def usable_pictures(
     images: SetupImages, landmarks: Sequence[Landmarks2D]
-) -> tuple[SetupImages, tuple[Landmarks2D, ...], list[str]]:
-    """Return the pictures whose landmarks can be fitted, and the names of the others.
+) -> tuple[SetupImages, tuple[Landmarks2D, ...], Sorting]:
+    """Return the pictures whose landmarks can be fitted, and what becomes of the others.
 
     Raises:
         FewPicturesError: Too few are left.
     """
-    kept = [n for n, one in enumerate(landmarks) if trusted_landmarks(one) >= LEAST_LANDMARKS]
-    if len(kept) < LEAST_PICTURES:
-        raise FewPicturesError(len(kept), len(landmarks))
-    dropped = [name for n, name in enumerate(images.names) if n not in kept]
-    left = SetupImages(
-        tuple(images.images[n] for n in kept),
-        tuple(images.names[n] for n in kept),
-        images.standard[kept],
+    sorting = sort_pictures(images.names, landmarks)
+    if len(sorting.fitted) < LEAST_PICTURES:
+        raise FewPicturesError(len(sorting.fitted), len(landmarks))
+    return (*_chosen(images, landmarks, sorting.fitted), sorting)
+
+
+def _chosen(
+    images: SetupImages, landmarks: Sequence[Landmarks2D], rows: Sequence[int]
+) -> tuple[SetupImages, tuple[Landmarks2D, ...]]:
+    """Return some of the pictures and their landmarks."""
+    chosen = SetupImages(
+        tuple(images.images[n] for n in rows),
+        tuple(images.names[n] for n in rows),
+        images.standard[list(rows)],
     )
-    return left, tuple(landmarks[n] for n in kept), dropped
+    return chosen, tuple(landmarks[n] for n in rows)
 
 
 def build(
@@ -125,7 +132,8 @@ def build(
     Args:
         model: The bilinear face model.
         images: The setup pictures.
-        landmarks: Their landmarks; pictures with too few trusted ones are left out.
+        landmarks: Their landmarks. Pictures with too few trusted ones are not trained on; if
+            they are prompted they are kept, their landmarks guessed.
         focal_px: Focal length if it is known, else it is found.
         rng: Source of all random choices.
         settings: Settings of every stage.
@@ -141,7 +149,8 @@ def build(
         FocalNotBracketedError: No focal length explains the pictures.
     """
     settings = settings or BuildSettings()
-    images, landmarks, dropped = usable_pictures(images, landmarks)
+    given, found = images, tuple(landmarks)
+    images, landmarks, sorting = usable_pictures(given, found)
     height, width = images.images[0].shape[:2]
     stages = _Stages(set() if focal_px is None else {"calibrate"})
     standard = images.standard
@@ -164,8 +173,12 @@ def build(
     )
     samples = make_training_set(gray, camera, shapes.points_mm, rng, settings.training_set)
     regressor = yield from stages.run("train", train(samples, rng, settings.train))
-    report = _report(focal, images, fit, shapes, dropped) | {"held_out": held_out}
-    return Built(camera, images, tuple(landmarks), fit, user, shapes, regressor, report)
+    report = _report(focal, images, fit, shapes) | {"held_out": held_out}
+    report |= _unfitted(given, sorting)
+    kept, before = _chosen(given, found, sorting.kept)
+    fitted = Placed(landmarks, fit, shapes)
+    placed = with_guesses(model, user, camera, kept.names, before, fitted)
+    return Built(camera, kept, placed.landmarks, placed.fit, user, placed.shapes, regressor, report)
 
 
 def known_focal(size_px: tuple[int, int], focal_px: float) -> FocalEstimate:
@@ -205,15 +218,20 @@ class _Stages:
             yield replace(inner, done=round(STEPS * place), total=STEPS, label=label)
 
 
+def _unfitted(given: SetupImages, sorting: Sorting) -> dict[str, object]:
+    return {
+        "guessed": [given.names[n] for n in sorting.guessed],
+        "left_out": [given.names[n] for n in sorting.left_out],
+    }
+
+
 def _report(
-    focal: FocalEstimate, images: SetupImages, fit: ModelFit, shapes: SetupShapes,
-    dropped: list[str],
+    focal: FocalEstimate, images: SetupImages, fit: ModelFit, shapes: SetupShapes
 ) -> dict[str, object]:  # fmt: skip
     camera = focal.camera
     scale = TABLE_WIDTH_PX / camera.size_px[0]
     return {
         "pictures": len(images.images),
-        "left_out": dropped,
         "size_px": list(camera.size_px),
         "focal_px": camera.focal_px,
         "focal_source": "found" if len(focal.focals_px) else "given",

@@ -110,6 +110,8 @@ def report_text(report: Mapping[str, Any]) -> str:
         for limit, share in held_out["share_under_px"].items()
     )
     left_out = f", left out: {', '.join(report['left_out'])}" if report["left_out"] else ""
+    if report["guessed"]:
+        left_out = f", not trained on: {', '.join(report['guessed'])}{left_out}"
     width, height = report["size_px"]
     return (
         f"pictures        {report['pictures']} of {width}x{height}{left_out}\n"

@@ -82,11 +82,13 @@ def test_pictures_named_by_shot_get_their_standard_coefficients(tmp_path):
 
 
 def test_a_picture_without_a_face_is_kept_blind_and_mentioned(tmp_path):
-    write_pictures(tmp_path, {"pose_yaw+90": 0, "pose_yaw+0": 120})
+    write_pictures(tmp_path, {"pose_yaw+90": 0, "pose_yaw+0": 120, "holiday": 0})
     pictures, _ = follow(collect(tmp_path, GreyMeansFace()))
     blind = pictures.landmarks[pictures.images.names.index("pose_yaw+90")]
     assert not blind.confidence.any()
-    assert pictures.notes == ("no face found in pose_yaw+90: left out",)
+    placed, dropped = pictures.notes
+    assert placed.startswith("no face found in pose_yaw+90: placed by the prompt")
+    assert dropped == "no face found in holiday: left out"
 
 
 def test_no_face_in_any_picture_says_so(tmp_path):

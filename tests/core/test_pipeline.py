@@ -93,8 +93,8 @@ def test_grey_levels_are_opencvs_luma(rng):
 
 def test_pictures_with_too_few_trusted_landmarks_are_left_out_by_name(setup):
     _, images, landmarks, _ = setup
-    kept, kept_landmarks, dropped = usable_pictures(images, landmarks)
-    assert dropped == ["frame_00004"]
+    kept, kept_landmarks, sorting = usable_pictures(images, landmarks)
+    assert sorting.left_out == (4,) and sorting.guessed == ()
     assert kept.names == tuple(name for name in images.names if name != "frame_00004")
     others = [n for n in range(N_PICTURES) if n != 4]
     assert all(kept.images[k] is images.images[n] for k, n in enumerate(others))
@@ -105,14 +105,14 @@ def test_pictures_with_too_few_trusted_landmarks_are_left_out_by_name(setup):
 def test_just_enough_trusted_landmarks_are_enough(setup):
     _, images, landmarks, _ = setup
     enough = [with_trusted(one, LEAST_LANDMARKS) for one in landmarks]
-    assert usable_pictures(images, enough)[2] == []
+    assert usable_pictures(images, enough)[2].fitted == tuple(range(N_PICTURES))
 
 
 def test_the_contour_does_not_help_a_picture_without_a_face(setup):
     _, images, landmarks, _ = setup
     contour = np.where(np.arange(N_LANDMARKS) < N_INTERNAL, 0.0, 1.0)
     landmarks = [replace(landmarks[0], confidence=contour), *landmarks[1:]]
-    assert usable_pictures(images, landmarks)[2] == ["frame_00000", "frame_00004"]
+    assert usable_pictures(images, landmarks)[2].left_out == (0, 4)
 
 
 def test_says_how_many_pictures_are_usable_and_what_to_do(setup):
@@ -198,7 +198,8 @@ def test_the_report_is_plain_and_names_the_pictures(setup, given):
     _, images, *_ = setup
     report = given[0].report
     assert json.loads(json.dumps(report)) == report
-    assert report["left_out"] == ["frame_00004"] and report["pictures"] == N_PICTURES - 1
+    assert report["left_out"] == ["frame_00004"] and report["guessed"] == []
+    assert report["pictures"] == N_PICTURES - 1
     assert report["picture_names"] == [name for name in images.names if name != "frame_00004"]
     errors = np.array(report["picture_rms_px_at_640"])
     assert report["shape_rms_px_at_640"] == pytest.approx(np.sqrt(np.mean(errors**2)))
