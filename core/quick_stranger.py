@@ -29,7 +29,7 @@ class StrangerSettings:
         least_mm: No smaller mean remainder is strange. On rendered people the one who was learned
             stays below 0.45, others come to between 0.6 and 1.3.
         times_usual: Nor is one that is less than so many times the usual one.
-        lasting: Frames that it has to last.
+        lasting: Frames that it has to last; a hand before the mouth is usually gone by then.
     """
 
     ahead_rad: float = 0.35
@@ -38,7 +38,7 @@ class StrangerSettings:
     patience: int = 150
     least_mm: float = 0.5
     times_usual: float = 1.4
-    lasting: int = 15
+    lasting: int = 60
 
 
 class StrangerWatch:

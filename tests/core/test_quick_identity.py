@@ -9,6 +9,7 @@ from core.face_model import load_face_model
 from core.fit_problem import State, posed
 from core.fit_space import face_at, fit_space
 from core.geometry import matrix_from_head_angles, procrustes, quaternion_from_matrix
+from core.landmarks import NAMES
 from core.model_fit import choose_picks
 from core.quick_identity import QuickIdentity
 from core.records import Landmarks2D
@@ -29,14 +30,15 @@ def person(model):
     return fit_space(model).face(identity, np.zeros((60, 3)))
 
 
-def performance(face, rng, n_frames=N_FRAMES, focal_px=FOCAL_PX):
-    """Tracked frames of a person who turns the head and smiles now and then."""
+def performance(face, rng, n_frames=N_FRAMES, focal_px=FOCAL_PX, smiling=0):
+    """Tracked frames of a person who turns the head and smiles now and then, or first for long."""
     times = np.arange(n_frames) / 30
     angles = np.stack([0.5 * np.sin(2 * times), 0.2 * np.sin(1.3 * times), 0 * times], axis=1)
     rotations = np.stack([matrix_from_head_angles(*one) for one in angles])
     places = np.tile([0.0, 0.0, 600.0], (n_frames, 1))
     expressions = np.zeros((n_frames, 46))
     expressions[:, 28:30] = np.clip(np.sin(3 * times), 0, 0.8)[:, None]
+    expressions[:smiling, 28:30] = 0.7
     state = State(rotations, places, expressions)
     picks = choose_picks(face, state)
     points = np.take_along_axis(posed(face.points_mm(expressions), state), picks[..., None], axis=1)
@@ -46,10 +48,10 @@ def performance(face, rng, n_frames=N_FRAMES, focal_px=FOCAL_PX):
     return state, [Landmarks2D(one, *blank) for one in points_px]
 
 
-def play(quick, state, landmarks):
+def play(quick, state, landmarks, first=0):
     """Offer a performance frame by frame; return the faces that came back."""
     found = []
-    for n, one in enumerate(landmarks):
+    for n, one in enumerate(landmarks, first):
         quick.offer(
             one, state.expressions[n], quaternion_from_matrix(state.rotations[n]),
             state.translations_mm[n], 0.9,
@@ -116,3 +118,30 @@ def test_after_a_reset_the_same_frames_give_the_same_faces(model, person, found)
     quick.reset()
     again = play(quick, state, landmarks)
     assert np.abs(again[-1].face.neutral_mm - found[-1].face.neutral_mm).max() < 0.05
+
+
+def test_a_smile_worn_at_first_does_not_stay_in_the_face(model, person):
+    """Two seconds of a smile without a break, then a resting face."""
+    state, landmarks = performance(person, np.random.default_rng(0), smiling=60)
+    quick = QuickIdentity(model, camera_for(SIZE_PX, FOCAL_PX), True)
+    early = play(quick, state, landmarks[:60], first=0)[-1]
+    late = play(quick, state, landmarks[60:], first=60)[-1]
+    corners = [NAMES.index("R_mouth_corner"), NAMES.index("L_mouth_corner")]
+    smile_mm = np.linalg.norm(person.deltas_mm[28:30].sum(axis=0)[corners], axis=1).mean()
+
+    def lifted_mm(face):
+        return np.linalg.norm((face.neutral_mm - person.neutral_mm)[corners], axis=1).mean()
+
+    assert lifted_mm(early.face) < 0.35 * smile_mm
+    assert lifted_mm(late.face) < 0.2 * smile_mm
+
+
+def test_somebody_else_is_noticed_and_fitted(model, person):
+    """The second person's frames are tracked with the first one's face, as they would be."""
+    other = fit_space(model).face(
+        np.random.default_rng(8).normal(size=model.n_identities), np.zeros((60, 3))
+    )
+    quick = QuickIdentity(model, camera_for(SIZE_PX, FOCAL_PX), True)
+    play(quick, *performance(person, np.random.default_rng(0), 240))
+    last = play(quick, *performance(other, np.random.default_rng(1), 240))[-1]
+    assert distance_mm(last.face, other) < 0.5 * distance_mm(person, other)
