@@ -19,7 +19,7 @@ from app.workers.avatar_loop import Painted
 from app.workers.live_loop import LiveResult
 from core.errors import CoreError
 from core.landmarks import CURVES, N_INTERNAL
-from core.records import FaceState, Frame
+from core.records import FaceState, Frame, Progress
 
 NUMBERS_EVERY_MS = 250
 #: The last landmarks stand for the outline but lie on the skin: they are dots, not a line.
@@ -34,11 +34,12 @@ DOUBTFUL = 0.25
 NO_CAMERA = "No camera was found.\nPlug one in, or try facepuppet without:"
 NO_PICTURE = "There is no picture."
 INVITATION = (
-    "Tracking without a profile. With a profile of your face the avatar follows more closely: "
+    "Any face is tracked without a profile. With one of your own the avatar follows more closely: "
     "a minute of video is enough (New profile…)."
 )
 MAKING = "Tracking without a profile until the new one is made."
 STRANGER = "This profile does not fit the face in the picture: tracking without it."
+GETTING_READY = "Getting ready…\nThe very first time this takes half a minute."
 PREPARING = "Preparing the avatar…"
 WAITING = "The avatar comes with the source's picture."
 UNUSABLE = "This profile cannot be used: tracking without it. Choose another, or make a new one."
@@ -117,7 +118,7 @@ class LiveController(QObject):
         self._forget()
         self._window.message_bar.tell("")
         if source:
-            self._window.source_pane.say(f"Opening {self._window.sources.currentText()}…")
+            self._window.source_pane.say(self._opening())
             self._player.play(self._wanted)
         else:
             self._window.source_pane.say(NO_CAMERA, self._offers())
@@ -162,6 +163,7 @@ class LiveController(QObject):
     # -- playing -------------------------------------------------------------------------
 
     def _connect_work(self) -> None:
+        self._player.preparing.connect(self._on_preparing)
         self._player.opened.connect(self._on_opened)
         self._player.framed.connect(self._on_framed)
         self._player.failed.connect(self._on_source_failed)
@@ -172,6 +174,13 @@ class LiveController(QObject):
         self._maker.made.connect(self._on_profile_made)
         self._maker.failed.connect(lambda error: self._window.message_bar.tell(str(error)))
         self._maker.finished.connect(self._on_making_finished)
+
+    def _opening(self) -> str:
+        return f"Opening {self._window.sources.currentText()}…"
+
+    def _on_preparing(self, progress: Progress) -> None:
+        first = progress.done == 0
+        self._window.source_pane.say(GETTING_READY if first else self._opening())
 
     def _on_opened(self, opened: Opened) -> None:
         if opened.trouble is not None:

@@ -137,6 +137,7 @@ class Player(QObject):
     fulfilled. Nothing here makes the Qt thread wait, except `stop`.
     """
 
+    preparing = Signal(object)  # Progress towards `opened`
     opened = Signal(object)  # Opened, before its first frame
     framed = Signal(object)  # LiveResult
     failed = Signal(object)  # CoreError or AppError: nothing is played any more
@@ -194,6 +195,7 @@ class Player(QObject):
             return
         self._opening = Opening(self._opener, wanted)
         job = Job(self._opening.steps(), self)
+        job.progressed.connect(self._on_progressed)
         job.failed.connect(self._on_failed)
         self._run(job)
 
@@ -219,6 +221,10 @@ class Player(QObject):
             return state
 
         return step
+
+    def _on_progressed(self, progress: Progress) -> None:
+        if not self._leaving:
+            self.preparing.emit(progress)
 
     def _on_posted(self) -> None:
         result = self._loop.results.take() if self._loop is not None else None

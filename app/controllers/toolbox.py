@@ -27,6 +27,7 @@ from app.setup_steps import Pictures, collect, keep, make_profile
 from app.sources import PERFORMER, open_source
 from app.views.choice import Choice
 from app.workers.avatar_loop import DrawingThread, Painted, painted
+from core.free_warm_up import warm_up
 from core.generations import check_target
 from core.records import Progress
 from core.store import Profile, load
@@ -91,7 +92,7 @@ class Toolbox:
         return Performer(tracker, None, lambda: tracker.user if tracker.acquainted else None)
 
     def models(self) -> Models:
-        """Return the shipped models, loaded at the first call from any thread."""
+        """Return the shipped models, loaded and warmed up at the first call from any thread."""
         with self._loading:
             return self._models
 
@@ -146,7 +147,9 @@ class Toolbox:
 
     @cached_property
     def _models(self) -> Models:
-        return load_models()
+        models = load_models()
+        warm_up(models.face_model)
+        return models
 
 
 def made_text(name: str, profile: Profile, notes: Sequence[str]) -> str:

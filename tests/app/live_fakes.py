@@ -101,8 +101,9 @@ class FakeToolbox:
         self.camera_keys, self.profile_names = list(cameras), list(profiles)
         self.opened, self.open_now, self.most_open = [], set(), 0
         self.busy, self.damaged = set(), set()
-        self.gate = threading.Event()
+        self.gate, self.ready = threading.Event(), threading.Event()
         self.gate.set()
+        self.ready.set()
         self.lost, self.confidence = False, 0.9
         self.stranger, self.learned = False, None
         self.read_error = self.tracker_error = self.render_error = None
@@ -138,6 +139,7 @@ class FakeToolbox:
 
     def open_free(self):
         assert threading.current_thread() is not threading.main_thread()
+        self.ready.wait(10)
         return Performer(FakeTracker(self, "free"), None, lambda: self.learned)
 
     def name_trouble(self, name):

@@ -7,7 +7,15 @@ from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QAbstractButton, QComboBox, QFileDialog
 
 from app.controllers import live as live_controller
-from app.controllers.live import BROKEN, INVITATION, MAKING, STRANGER, UNUSABLE, LiveController
+from app.controllers.live import (
+    BROKEN,
+    GETTING_READY,
+    INVITATION,
+    MAKING,
+    STRANGER,
+    UNUSABLE,
+    LiveController,
+)
 from app.controllers.toolbox import Toolbox
 from app.errors import CameraLostError, SeveralFacesError
 from app.sources import PERFORMER
@@ -112,6 +120,15 @@ def test_without_a_profile_the_avatar_moves_at_once_above_an_invitation(live, qt
     qtbot.waitUntil(lambda: window.status.state == "Tracking, training-free")
     qtbot.waitUntil(lambda: window.status.field("rate").endswith("fps"))
     qtbot.waitUntil(lambda: most_blue(window.source_pane.picture) > 150)
+
+
+def test_a_first_start_that_takes_its_time_is_told(live, qtbot):
+    toolbox = FakeToolbox()
+    toolbox.ready.clear()
+    window = live(toolbox)
+    qtbot.waitUntil(lambda: window.source_pane.notice.text == GETTING_READY)
+    toolbox.ready.set()
+    qtbot.waitUntil(plays(window, CAMERA))
 
 
 def test_the_avatar_takes_on_the_head_that_was_learned_meanwhile_and_only_once(live, qtbot):
