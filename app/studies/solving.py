@@ -58,8 +58,14 @@ def case_of(film: Film, models: Models) -> Case:
     return Case(film, face_at(models.face_model, learned(film, models)), film.camera)
 
 
-def solve(case: Case, settings: EnergySettings) -> Run:
-    """Return what a solver makes of a film."""
+def solve(case: Case, settings: EnergySettings, anew: bool = False) -> Run:
+    """Return what a solver makes of a film.
+
+    Args:
+        case: The film.
+        settings: The solver.
+        anew: Every frame is solved as if it were the first.
+    """
     tracker = EnergyTracker(case.face, case.camera, settings)
     seen = [(n, one.landmarks) for n, one in enumerate(case.film.seen) if one is not None]
     solved, cost_s = [], []
@@ -67,6 +73,8 @@ def solve(case: Case, settings: EnergySettings) -> Run:
     tracker.step(seen[0][1].points_px, seen[0][1].confidence, 0.0)
     tracker.reset()
     for n, landmarks in seen:
+        if anew:
+            tracker.reset()
         time_s, before_s = float(case.film.times_s[n]), time.thread_time()
         solved.append(tracker.step(landmarks.points_px, landmarks.confidence, time_s))
         cost_s.append(time.thread_time() - before_s)

@@ -243,16 +243,18 @@ def test_still_study_finds_no_noise_where_there_is_none(performed, models):
 
 
 def test_iterations_study_varies_one_number_at_a_time(performed, models):
-    report = report_of(iterations, models, "--frames", "20")
-    assert [next(iter(table.rows)) for table in report.tables] == ["rho 5", "epsilon 5"]
+    report = report_of(iterations, models, "--frames", "10")
+    assert [next(iter(table.rows)) for table in report.tables] == 2 * ["rho 1", "epsilon 1"]
     for table in report.tables:
         assert len(table.rows) == len(iterations.COUNTS)
-        cost_ms, degrees = zip(*(row[:2] for row in table.rows.values()), strict=True)
-        assert min(cost_ms) > 0
-        assert max(degrees) < 8
-    same = [table.rows[f"{name} 15"][1:] for table, name in zip(
-        report.tables, ("rho", "epsilon"), strict=True)]  # fmt: skip
-    assert same[0] == same[1]
+        for cost_ms, degrees, *_ in table.rows.values():
+            assert cost_ms > 0
+            assert degrees < 12
+    for rho, epsilon in (report.tables[:2], report.tables[2:]):
+        # Both hold the pair that the paper chose, and it is the same one.
+        assert rho.rows["rho 15"][1:] == epsilon.rows["epsilon 15"][1:]
+    followed, anew = (report.tables[k].rows["rho 1"][5] for k in (0, 2))
+    assert anew >= followed
 
 
 def test_solvers_study_compares_errors_noise_and_time(performed, models):
