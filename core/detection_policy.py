@@ -27,7 +27,7 @@ class PolicySettings:
         flow_ms: Cost of flow, the same.
     """
 
-    tolerance: float = 0.006
+    tolerance: float = 0.005
     alarm: float = 0.08
     longest_s: float = 1.0
     savings: float = 6.0

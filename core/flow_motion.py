@@ -16,22 +16,22 @@ from core.records import F32, U8, BoolArray, FloatArray
 #: Points that flow follows: the internal landmarks and both pupils.
 N_FOLLOWED = N_INTERNAL + 2
 #: Side of the window around a point and number of halvings of the picture.
-_WINDOW_PX = 15
+_WINDOW_PX = 13
 _HALVINGS = 2
-_CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 10, 0.02)
+_CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 7, 0.03)
 #: The face is made about this wide before flow if it is wider in the picture.
 _FACE_PX = 96.0
 #: Room around the points in parts of the face's size.
 _MARGIN = 0.35
 _LEAST_SIDE_PX = 24
 #: Way there and back, in parts of the face's size, at which a point is half trusted.
-_RETURN_ERROR = 0.008
+_RETURN_ERROR = 0.002
 #: Distance from what the neighbours do, in parts of the face's size, at which it is half trusted.
-_ODD_MOTION = 0.04
+_ODD_MOTION = 0.015
 #: Neighbours count less at this distance, in parts of the face's size.
-_REACH = 0.12
+_REACH = 0.15
 #: What the neighbours' own motion counts against standing still on the face.
-_CALM = 0.1
+_CALM = 0.3
 
 
 @dataclass(frozen=True, slots=True, eq=False)

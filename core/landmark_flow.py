@@ -238,7 +238,8 @@ def _signs(carried: _Past) -> Signs:
     right, left, mouth = (difference(a, b) for a, b in zip(now, carried.patches, strict=True))
     worse = np.sort(carried.trust)[N_FOLLOWED // 5]
     turned = float(np.hypot(*_camera_since(carried)[:, 2]))
-    return Signs(float(1 / max(worse, 1e-3) - 1), max(right, left), mouth, turned)
+    profile = abs(float(carried.alignment.rotation[0, 2]))
+    return Signs(float(1 / max(worse, 1e-3) - 1), max(right, left), mouth, turned, profile)
 
 
 def _moved(past: _Past) -> Alignment:
