@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.kernels.appearance import move_shapes, normalise_cells, project_points, sample_image
+from core.kernels.appearance import Room, read_appearance
 from core.records import F32, I32, U8, FloatArray, freeze
 
 
@@ -41,20 +41,16 @@ class AppearanceReader:
     """Reads the appearance of several shapes at once, without allocating.
 
     Attributes:
-        shapes: (Q, 3, R) mm, the shapes to read at, to be written by the caller.
+        shapes: (R, Q, 3) mm, the shapes to read at, to be written by the caller.
         intensities: (P, R) what was read last.
     """
 
     def __init__(self, n_shape_points: int, points: AppearancePoints, n_runs: int) -> None:
-        """Make room for R shapes and for points like the given ones."""
-        n_points, n_cells = len(points.corners), len(points.members)
-        self.shapes: F32 = np.zeros((n_shape_points, 3, n_runs), np.float32)
-        self.intensities: F32 = np.empty((n_points, n_runs), np.float32)
-        self._in_camera = np.empty((n_shape_points, 3, n_runs), np.float32)
-        self._offsets = np.empty((n_points, 3), np.float32)
-        self._positions = np.empty((n_points, 2, n_runs), np.float32)
-        self._mean = np.empty((n_cells, n_runs), np.float32)
-        self._scale = np.empty((n_cells, n_runs), np.float32)
+        """Make room for R shapes at these points."""
+        self.shapes: F32 = np.zeros((n_runs, n_shape_points, 3), np.float32)
+        self.intensities: F32 = np.empty((len(points.corners), n_runs), np.float32)
+        self._points = points
+        self._room = room_for(n_shape_points, points, n_runs)
         self._to_camera = np.eye(3, dtype=np.float32)
         self._shift = np.zeros(3, np.float32)
 
@@ -63,34 +59,40 @@ class AppearanceReader:
         self._to_camera[:] = rotation.T
         self._shift[:] = center_mm
 
-    def read(self, gray: U8, projection: F32, points: AppearancePoints, softening: float) -> F32:
+    def read(self, gray: U8, projection: F32, softening: float) -> F32:
         """Return the appearance (P, R) of the shapes, valid until the next call.
 
         Args:
             gray: (H, W).
             projection: (3,) focal length and principal point, px.
-            points: Where to look.
             softening: Grey levels added to the local contrast; 0: raw grey levels.
         """
-        move_shapes(self.shapes, self._to_camera, self._shift, self._in_camera)
-        np.matmul(points.offsets, self._to_camera.T, out=self._offsets)
-        project_points(
-            self._in_camera,
+        points = self._points
+        read_appearance(
+            gray,
+            self.shapes,
+            self._to_camera,
+            self._shift,
+            projection,
             points.corners,
             points.weights,
-            self._offsets,
-            projection,
-            self._positions,
+            points.offsets,
+            points.members,
+            points.cell,
+            softening,
+            self._room,
+            self.intensities,
         )
-        sample_image(gray, self._positions, self.intensities)
-        if softening > 0:
-            normalise_cells(
-                self.intensities,
-                points.members,
-                points.cell,
-                softening,
-                self._mean,
-                self._scale,
-                self.intensities,
-            )
         return self.intensities
+
+
+def room_for(n_shape_points: int, points: AppearancePoints, n_runs: int) -> Room:
+    """Return the work space to read R shapes at points like these."""
+    n_points, n_cells = len(points.corners), len(points.members)
+    return Room(
+        in_camera=np.empty((n_shape_points, 3, n_runs), np.float32),
+        positions=np.empty((2, n_points, n_runs), np.float32),
+        pixels=np.empty((n_points, n_runs), np.uint32),
+        mean=np.empty((n_cells, n_runs), np.float32),
+        scale=np.empty((n_cells, n_runs), np.float32),
+    )

@@ -34,7 +34,7 @@ class AugmentationSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Augmentation:
-    """The disturbance of every training sample; the columns are listed in kernels.appearance.
+    """The disturbance of every training sample; the columns are listed in kernels.disturbance.
 
     Attributes:
         normals: (N, h, w, 3) unit normals of the face in every picture, coarse.

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.appearance import AppearanceReader
+from core.appearance import AppearanceReader, room_for
 from core.fern_regressor import FernRegressor
-from core.kernels.ferns import add_ferns
+from core.kernels.stages import FernRoom, Stages, run_stages
 from core.kernels.starts import (
     align_rotation,
     center_shape,
@@ -48,16 +48,20 @@ class RegressionSettings:
     same_pose: bool = True
 
 
-class _Stage:
-    """The arrays of one stage, each in its own memory."""
-
-    def __init__(self, regressor: FernRegressor, stage: int) -> None:
-        self.points = regressor.points(stage)
-        self.pairs = regressor.pairs[stage]
-        self.thresholds = regressor.thresholds[stage]
-        self.leaves = regressor.leaves[stage]
-        # (Q, 3, C), to be multiplied with the steps (C, R) of all runs.
-        self.basis = np.ascontiguousarray(np.moveaxis(regressor.basis_mm[stage], 0, 2))
+def _stages(regressor: FernRegressor) -> Stages:
+    """Return the arrays of all stages as the kernels take them."""
+    n_stages, n_steps, n_points, _ = regressor.basis_mm.shape
+    return Stages(
+        regressor.corners,
+        regressor.weights,
+        regressor.offsets_mm,
+        regressor.members,
+        regressor.cell,
+        regressor.pairs,
+        regressor.thresholds,
+        regressor.leaves,
+        regressor.basis_mm.reshape(n_stages, n_steps, 3 * n_points),
+    )
 
 
 class Regression:
@@ -78,9 +82,8 @@ class Regression:
         self._settings = settings or RegressionSettings()
         self._frame_shape = camera.size_px[::-1]
         self._projection = np.array([camera.focal_px, *camera.center_px], np.float32)
-        self._stages = [_Stage(regressor, stage) for stage in range(len(regressor.pairs))]
+        self._stages = _stages(regressor)
         self._softening = float(regressor.softening)
-        self._check_points = regressor.check_points()
         self._make_room()
 
     def _make_room(self) -> None:
@@ -92,18 +95,17 @@ class Regression:
         if not self._settings.same_pose:
             self._rotations[:] = np.eye(3)
         self._steps = n_points * np.sum(regressor.translations_mm**2, axis=1)
-        self._reader = AppearanceReader(n_points, self._stages[0].points, lanes)
-        self._check_reader = AppearanceReader(n_points, self._check_points, 1)
+        self._check_reader = AppearanceReader(n_points, regressor.check_points(), 1)
+        self._shapes = np.empty((lanes, n_points, 3), np.float32)
+        self._room = room_for(n_points, regressor.points(0), lanes)
+        self._to_camera, self._shift = np.empty((3, 3), np.float32), np.empty(3, np.float32)
         self._center, self._rotation = np.zeros(3), np.eye(3)
         self._centred, self._turned = np.empty((n_points, 3)), np.empty((n_points, 3))
         self._scratch, self._turn = np.empty((3, 4, 4)), np.empty((3, 3))
         self._distances = np.empty(n_shapes)
         self._chosen = np.zeros((n_runs, 2), np.int32)
         self._values = np.empty(n_runs)
-        self._leaf = np.empty(lanes, np.int32)
-        self._taken = np.empty((lanes, regressor.basis_mm.shape[1]), np.int32)
-        self._columns = np.empty(self._taken.shape[::-1], np.float32)
-        self._moved = np.empty((n_points, 3, lanes), np.float32)
+        self._ferns = _fern_room(regressor, n_runs, lanes)
         self._result = np.empty((n_points, 3))
         self._difference = np.empty(len(regressor.check_mean), np.float32)
         self._inside = np.empty(len(regressor.check_basis), np.float32)
@@ -140,13 +142,13 @@ class Regression:
             ValueError: The picture has another size or type, or a shape is not finite.
         """
         gray, starts = self._checked(gray, starts_mm)
-        n_starts, lanes = len(starts), self._reader.shapes.shape[2]
+        n_starts, lanes = len(starts), len(self._shapes)
         if n_starts > self._settings.n_runs:
             raise ValueError(f"{n_starts} starts, but room for {self._settings.n_runs}")
         self._center[:] = starts.mean(axis=(0, 1))
         self._rotation[:] = np.eye(3)
         filled = np.minimum(np.arange(lanes), n_starts - 1)
-        self._reader.shapes[:] = np.moveaxis(starts[filled] - self._center, 0, 2)
+        self._shapes[:] = starts[filled] - self._center
         spread = self._regress(gray, n_starts)
         return Shape3D(self._result, spread, self._residual(gray))
 
@@ -171,26 +173,26 @@ class Regression:
         turn_shape(self._centred, self._rotation, self._turned)
         turned_distances(self._turned, shapes, rotations, self._distances)
         choose_starts(self._distances, self._steps, self._chosen, self._values)
-        place_starts(
-            shapes, rotations, self._regressor.translations_mm, self._chosen, self._reader.shapes
-        )
+        place_starts(shapes, rotations, self._regressor.translations_mm, self._chosen, self._shapes)
         return self._regress(gray, self._settings.n_runs)
 
     def _regress(self, gray: U8, n_runs: int) -> float:
         """Move the starts through all stages and combine them; return their spread in mm."""
-        reader = self._reader
-        reader.place(self._rotation, self._center)
-        for stage in self._stages:
-            intensities = reader.read(gray, self._projection, stage.points, self._softening)
-            self._taken[:] = 0
-            add_ferns(
-                intensities, stage.pairs, stage.thresholds, stage.leaves, self._leaf, self._taken
-            )
-            self._columns[:] = self._taken.T
-            np.matmul(stage.basis, self._columns, out=self._moved)
-            reader.shapes += self._moved
+        self._to_camera[:] = self._rotation.T
+        self._shift[:] = self._center
+        run_stages(
+            gray,
+            self._stages,
+            self._softening,
+            self._to_camera,
+            self._shift,
+            self._projection,
+            self._room,
+            self._ferns,
+            self._shapes,
+        )
         use_median = self._settings.use_median
-        spread = combine_runs(reader.shapes, n_runs, use_median, self._values, self._turned)
+        spread = combine_runs(self._shapes, n_runs, use_median, self._values, self._turned)
         np.matmul(self._turned, self._rotation, out=self._result)
         self._result += self._center
         if self._settings.keep_size:
@@ -210,11 +212,22 @@ class Regression:
     def _residual(self, gray: U8) -> float:
         """Return how unlike the training pictures the frame looks at the result."""
         regressor, reader = self._regressor, self._check_reader
-        reader.shapes[:, :, 0] = self._result
+        reader.shapes[0] = self._result
         softening = float(regressor.check_softening)
-        seen = reader.read(gray, self._projection, self._check_points, softening)[:, 0]
+        seen = reader.read(gray, self._projection, softening)[:, 0]
         np.subtract(seen, regressor.check_mean, out=self._difference)
         np.matmul(regressor.check_basis, self._difference, out=self._inside)
         squared = self._difference @ self._difference - self._inside @ self._inside
         distance = np.sqrt(max(float(squared), 0.0) / len(self._difference))
         return float(distance / regressor.check_level)
+
+
+def _fern_room(regressor: FernRegressor, n_runs: int, lanes: int) -> FernRoom:
+    """Return the work space of the ferns."""
+    n_ferns, n_steps = regressor.pairs.shape[1], regressor.basis_mm.shape[1]
+    return FernRoom(
+        intensities=np.empty((regressor.corners.shape[1], lanes), np.float32),
+        leaf=np.empty((n_ferns, lanes), np.int32),
+        short=np.empty((n_runs, n_steps), np.int16),
+        taken=np.empty((n_runs, n_steps), np.int32),
+    )

@@ -9,7 +9,7 @@ import numpy as np
 from core.appearance import AppearancePoints
 from core.appearance_check import CHECK_POINTS, AppearanceCheck, learn_check
 from core.head_size import size_gauge
-from core.kernels.ferns import add_ferns
+from core.kernels.ferns import add_leaves
 from core.kernels.training import best_pairs, find_leaves, grow_leaves, inverse_deviations
 from core.point_drawing import PointSettings, draw_points, mean_shape
 from core.records import F32, I8, I32, Progress
@@ -127,18 +127,19 @@ def _train_stage(
     pairs = np.zeros((settings.n_ferns, settings.n_tests, 2), np.int32)
     thresholds = np.zeros((settings.n_ferns, settings.n_tests), np.float32)
     leaves = np.zeros((settings.n_ferns, n_leaves, len(basis)), np.float32)
-    counts, leaf = np.empty(n_leaves, np.int32), np.empty(len(residuals), np.int32)
+    counts = np.empty(n_leaves, np.int32)
+    leaf = np.empty((settings.n_ferns, len(residuals)), np.int32)
     deviations = (residuals.std(axis=0) + np.float32(1e-3)) ** np.float32(settings.balance)
     for k in range(settings.n_ferns):
         directions = rng.normal(size=(len(basis), settings.n_tests)).astype(np.float32)
         directions /= deviations[:, None]
         search.find(residuals, directions, pairs[k])
         places = rng.random(settings.n_tests).astype(np.float32)
-        find_leaves(columns, pairs[k], places, thresholds[k], leaf)
-        grow_leaves(leaf, settings.shrinkage, residuals, counts, leaves[k])
+        find_leaves(columns, pairs[k], places, thresholds[k], leaf[k])
+        grow_leaves(leaf[k], settings.shrinkage, residuals, counts, leaves[k])
     steps, basis = _quantise(leaves, basis)
-    made = np.zeros((len(residuals), basis.shape[0]), np.int32)
-    add_ferns(columns, pairs, thresholds, steps, leaf, made)
+    made = np.empty((len(residuals), len(basis)), np.int32)
+    add_leaves(steps, leaf, np.empty(made.shape, np.int16), made)
     increments = np.einsum("sc,cqk->sqk", made.astype(np.float32), basis, optimize=True)
     return Stage(points, pairs, thresholds, steps, basis), increments
 

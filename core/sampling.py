@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from core.appearance import AppearancePoints
-from core.kernels.appearance import sample_training
+from core.kernels.disturbance import sample_training
 from core.records import F32
 from core.training_set import TrainingSet
 

@@ -193,23 +193,23 @@ def place_starts(
     rotations: FloatArray,  # (N, 3, 3) turns each shape first
     translations: FloatArray,  # (m, 3) mm
     chosen: I32,  # (L, 2)
-    out: F32,  # (Q, 3, R) R >= L; the runs beyond L repeat the last start
+    out: F32,  # (R, Q, 3) R >= L; the runs beyond L repeat the last start
 ) -> None:
     """Lay out the chosen starts, around the origin of the shape space."""
-    for r in range(out.shape[2]):
+    for r in range(out.shape[0]):
         k = min(r, chosen.shape[0] - 1)
         shape, turn = shapes[chosen[k, 0]], rotations[chosen[k, 0]]
         translation = translations[chosen[k, 1]]
-        for q in range(out.shape[0]):
+        for q in range(out.shape[1]):
             x, y, z = shape[q, 0], shape[q, 1], shape[q, 2]
             for c in range(3):
                 placed = turn[c, 0] * x + turn[c, 1] * y + turn[c, 2] * z
-                out[q, c, r] = placed + translation[c]
+                out[r, q, c] = placed + translation[c]
 
 
 @numba.njit(cache=True, nogil=True)
 def combine_runs(
-    shapes: F32,  # (Q, 3, R)
+    shapes: F32,  # (R, Q, 3)
     n_runs: int,  # L <= R
     use_median: bool,
     values: FloatArray,  # (L,) scratch
@@ -220,11 +220,11 @@ def combine_runs(
     Along the view (c = 2) runs differ more without being wrong: a picture hardly shows depth.
     """
     spread = 0.0
-    for q in range(shapes.shape[0]):
+    for q in range(shapes.shape[1]):
         for c in range(3):
             total = 0.0
             for r in range(n_runs):
-                value = shapes[q, c, r]
+                value = shapes[r, q, c]
                 total += value
                 k = r
                 while use_median and k > 0 and values[k - 1] > value:
@@ -237,4 +237,4 @@ def combine_runs(
             if use_median:
                 mean = 0.5 * (values[n_runs // 2] + values[(n_runs - 1) // 2])
             out[q, c] = mean
-    return np.sqrt(spread / (n_runs * shapes.shape[0]))
+    return np.sqrt(spread / (n_runs * shapes.shape[1]))

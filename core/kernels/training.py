@@ -74,7 +74,7 @@ def find_leaves(
         threshold = low + places[f] * (high - low)
         thresholds[f] = threshold
         for s in range(n_samples):
-            # Test 0 is the highest bit: add_ferns numbers the leaves the same way.
+            # Test 0 is the highest bit: choose_leaves numbers the leaves the same way.
             passed = np.int32(1) if first[s] - second[s] >= threshold else np.int32(0)
             leaf[s] = 2 * leaf[s] + passed
 

@@ -12,7 +12,7 @@ from core.evaluation import frame_rmse_px
 from core.fern_regressor import FernRegressor
 from core.geometry import matrix_from_head_angles, register_rigid
 from core.head_size import size_gauge
-from core.kernels.ferns import add_ferns
+from core.kernels.ferns import add_leaves, choose_leaves, take_steps
 from core.kernels.starts import (
     align_rotation,
     choose_starts,
@@ -55,10 +55,10 @@ def test_appearance_agrees_with_naive(world, unseen, softening):
     rotation, center = matrix_from_head_angles(0.1, 0.2, 0.3), np.array([5.0, -9.0, 590.0])
     shapes = np.array([shape - shape.mean(axis=0) for shape, _ in unseen])
     reader = AppearanceReader(N_POINTS, points, len(shapes))
-    reader.shapes[:] = np.moveaxis(shapes, 0, 2)
+    reader.shapes[:] = shapes
     reader.place(rotation, center)
     picture = unseen[0][1]
-    read = reader.read(picture, projection(world.face.camera), points, softening)
+    read = reader.read(picture, projection(world.face.camera), softening)
     for run, shape in enumerate(shapes):
         plain = naive.appearance(
             picture, world.face.camera, points, shape, rotation, center, softening
@@ -71,22 +71,23 @@ def test_beyond_the_border_the_border_goes_on(world):
     picture = np.tile(np.linspace(10, 200, 240).astype(np.uint8), (180, 1))
     reader = AppearanceReader(N_POINTS, points, 2)
     reader.place(np.eye(3), np.array([0, 0, 600.0]))
-    reader.shapes[:, 0, 0], reader.shapes[:, 0, 1] = -1e5, 1e5
-    read = reader.read(picture, projection(world.face.camera), points, 0.0)
+    reader.shapes[0, :, 0], reader.shapes[1, :, 0] = -1e5, 1e5
+    read = reader.read(picture, projection(world.face.camera), 0.0)
     assert np.allclose(read[:, 0], 10)
     assert np.allclose(read[:, 1], 200, atol=0.1)
 
 
 @pytest.mark.nojit
-@pytest.mark.parametrize(("n_ferns", "n_tests", "n_runs"), [(1, 1, 1), (3, 5, 16), (40, 5, 15)])
+@pytest.mark.parametrize(
+    ("n_ferns", "n_tests", "n_runs"), [(1, 1, 1), (3, 5, 16), (40, 4, 15), (270, 5, 15)]
+)
 def test_ferns_agree_with_naive(n_ferns, n_tests, n_runs):
     rng = np.random.default_rng(n_ferns)
     intensities = rng.uniform(0, 255, (50, n_runs)).astype(np.float32)
     pairs = rng.integers(0, 50, (n_ferns, n_tests, 2)).astype(np.int32)
     thresholds = rng.normal(0, 60, (n_ferns, n_tests)).astype(np.float32)
     leaves = rng.integers(-127, 128, (n_ferns, 2**n_tests, 7)).astype(np.int8)
-    out = np.zeros((n_runs, 7), np.int32)
-    add_ferns(intensities, pairs, thresholds, leaves, np.empty(n_runs, np.int32), out)
+    out = fern_sums(intensities, pairs, thresholds, leaves)
     for run in range(n_runs):
         plain = naive.fern_sum(intensities[:, run], pairs, thresholds, leaves)
         assert np.array_equal(out[run], plain)
@@ -95,11 +96,37 @@ def test_ferns_agree_with_naive(n_ferns, n_tests, n_runs):
 @pytest.mark.nojit
 def test_difference_equal_to_threshold_goes_to_the_upper_leaf():
     leaves = np.array([[[-1], [1]]], np.int8)
-    out = np.zeros((1, 1), np.int32)
     intensities = np.array([[15], [10]], np.float32)
     pairs, thresholds = np.array([[[0, 1]]], np.int32), np.array([[5]], np.float32)
-    add_ferns(intensities, pairs, thresholds, leaves, np.empty(1, np.int32), out)
-    assert out[0, 0] == 1
+    assert fern_sums(intensities, pairs, thresholds, leaves)[0, 0] == 1
+
+
+@pytest.mark.nojit
+def test_many_large_leaves_of_one_sign_do_not_overflow():
+    leaves = np.full((700, 2, 3), -127, np.int8)
+    pairs, thresholds = np.zeros((700, 1, 2), np.int32), np.zeros((700, 1), np.float32)
+    out = fern_sums(np.zeros((1, 2), np.float32), pairs, thresholds, leaves)
+    assert np.all(out == -127 * 700)
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize("n_steps", [1, 4, 7])
+def test_steps_move_along_the_basis(rng, n_steps):
+    taken = rng.integers(-500, 500, (3, n_steps)).astype(np.int32)
+    basis = rng.normal(size=(n_steps, 9)).astype(np.float32)
+    shapes = rng.normal(size=(3, 9)).astype(np.float32)
+    moved = shapes.copy()
+    take_steps(taken, basis, moved)
+    assert np.allclose(moved, shapes + taken @ basis, atol=1e-2)
+
+
+def fern_sums(intensities, pairs, thresholds, leaves):
+    n_runs = intensities.shape[1]
+    leaf = np.empty((len(pairs), n_runs), np.int32)
+    choose_leaves(intensities, pairs, thresholds, leaf)
+    out = np.ones((n_runs, leaves.shape[2]), np.int32)
+    add_leaves(leaves, leaf, np.empty(out.shape, np.int16), out)
+    return out
 
 
 @pytest.mark.nojit
@@ -154,15 +181,15 @@ def test_more_runs_than_shapes_start_again_from_the_first():
 @pytest.mark.nojit
 @pytest.mark.parametrize("n_runs", [1, 4, 15])
 def test_runs_combine_to_mean_or_median(rng, n_runs):
-    shapes = rng.normal(size=(5, 3, 16)).astype(np.float32)
+    shapes = rng.normal(size=(16, 5, 3)).astype(np.float32)
     out, values = np.empty((5, 3)), np.empty(n_runs)
     spread = combine_runs(shapes, n_runs, False, values, out)
-    kept = shapes[..., :n_runs].astype(float)
-    assert np.allclose(out, kept.mean(axis=2))
-    across = kept[:, :2] - kept[:, :2].mean(axis=2, keepdims=True)
+    kept = shapes[:n_runs].astype(float)
+    assert np.allclose(out, kept.mean(axis=0))
+    across = kept[..., :2] - kept[..., :2].mean(axis=0)
     assert spread == pytest.approx(np.sqrt((across**2).sum() / (5 * n_runs)))
     combine_runs(shapes, n_runs, True, values, out)
-    assert np.allclose(out, np.median(kept, axis=2))
+    assert np.allclose(out, np.median(kept, axis=0))
 
 
 @pytest.mark.parametrize(("use_median", "same_pose"), [(False, True), (True, False)])
