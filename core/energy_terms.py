@@ -12,7 +12,7 @@ Where the paper's formulas cannot be used as they are printed:
 * The weights of eq. 5-7 are not printed; energies here are in px^2 of a face of the usual size.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -20,6 +20,7 @@ import numpy as np
 from core.arkit import EXPRESSION_NAMES
 from core.fit_priors import USUAL_SPREAD, expression_spreads
 from core.kernels.energy import BARRIER, BOX, JointTerms, PaperTerms
+from core.pose_filter import PoseFilterSettings
 from core.records import FloatArray
 
 
@@ -59,25 +60,48 @@ class JointSettings:
     Attributes:
         iterations: Most Gauss-Newton steps of a frame.
         noise_px: Standard deviation of a landmark from its own place, whatever its size.
-        noise_mm: The part of it that grows with the face in the picture; also what the face's
-            shape is wrong by.
+        noise_mm: The part of it that grows with the face in the picture, at least and at most.
+        noise_share: In between it is so much of the distance that solutions leave: a face of the
+            wrong shape explains less, and its landmarks must not be taken at their word.
+        noise_s: Time over which that distance is averaged.
         robust: Distance in noises at which a landmark counts a quarter.
         outline_weight: Of the outline's landmarks, which stand for no fixed point.
         slope: Cost of using a coefficient of the usual spread.
         spread_scale: Of the coefficients' usual spreads.
-        memory: Usual change of a coefficient from frame to frame.
-        escape: Change at which a quarter of the memory is left.
+        memory: Usual change of a coefficient in a 30th of a second.
+        escape: Change from the last frame at which a quarter of the memory is left.
     """
 
     iterations: int = 10
-    noise_px: float = 0.5
-    noise_mm: float = 1.0
-    robust: float = 5.0
-    outline_weight: float = 0.3
-    slope: float = 2.0
+    noise_px: float = 0.3
+    noise_mm: tuple[float, float] = (0.5, 2.5)
+    noise_share: float = 0.7
+    noise_s: float = 0.5
+    robust: float = 4.0
+    outline_weight: float = 0.4
+    slope: float = 2.5
     spread_scale: float = 1.5
-    memory: float = 0.1
+    memory: float = 0.12
     escape: float = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class EnergySettings:
+    """How a frame is solved.
+
+    Attributes:
+        solver: `paper` or `joint`.
+        n_landmarks: 68 as in the paper, or all 75.
+        paper: Of the paper's solver.
+        joint: Of ours.
+        pose_filter: How the pose is filtered; None: not at all.
+    """
+
+    solver: Literal["paper", "joint"] = "joint"
+    n_landmarks: int = 68
+    paper: PaperSettings = field(default_factory=PaperSettings)
+    joint: JointSettings = field(default_factory=JointSettings)
+    pose_filter: PoseFilterSettings | None = field(default_factory=PoseFilterSettings)
 
 
 def paper_terms(settings: PaperSettings) -> PaperTerms:

@@ -7,8 +7,8 @@ import pytest
 
 from core.camera import camera_for
 from core.energy_face import ROBUST, landmark_rows
-from core.energy_terms import PaperSettings, predicted_pose
-from core.energy_tracker import EnergySettings, EnergyTracker
+from core.energy_terms import EnergySettings, PaperSettings, predicted_pose
+from core.energy_tracker import EnergyTracker
 from core.evaluation import jitter
 from core.geometry import head_angles_from_matrix, matrix_from_quaternion
 from core.landmarks import N_INTERNAL, TO_IBUG68
