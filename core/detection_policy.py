@@ -37,6 +37,8 @@ class PolicySettings:
 
 #: Share of a new measurement in the mean cost.
 _LEARNING = 0.1
+#: A measurement counts as at most so many means: the first call of a kernel loads it.
+_AT_MOST = 3.0
 #: How fast the tolerance grows once less than half of the savings is left.
 _THRIFT = 3.0
 
@@ -102,10 +104,8 @@ class DetectionPolicy:
             looked: Whether the network ran.
         """
         settings = self._settings
-        if flow_ms is not None:
-            self._flow_ms += _LEARNING * (flow_ms - self._flow_ms)
-        if network_ms is not None:
-            self._network_ms += _LEARNING * (network_ms - self._network_ms)
+        self._flow_ms = _learned(self._flow_ms, flow_ms)
+        self._network_ms = _learned(self._network_ms, network_ms)
         self._frames = 0 if looked else self._frames + 1
         self._account_ms += self._budget_ms - self._flow_ms - looked * self._network_ms
         limit = settings.savings * self._network_ms
@@ -115,3 +115,10 @@ class DetectionPolicy:
         """Return how much more than the tolerance is tolerated: 1 while there are savings."""
         part = self._account_ms / (self._settings.savings * self._network_ms)
         return max(1.0, float(np.exp(_THRIFT * (0.5 - part))))
+
+
+def _learned(mean_ms: float, measured_ms: float | None) -> float:
+    """Return the mean cost after one more measurement, None if there was none."""
+    if measured_ms is None:
+        return mean_ms
+    return mean_ms + _LEARNING * (min(measured_ms, _AT_MOST * mean_ms) - mean_ms)

@@ -70,12 +70,14 @@ class Followed:
         alignment: What the network saw, None in frames in which it did not look.
         by_network: Whether it looked.
         confidence: In [0, 1], of the frame as a whole.
+        error: Expected RMS error of flow in parts of the face's size, 0 where nothing was carried.
     """
 
     landmarks: Landmarks2D
     alignment: Alignment | None
     by_network: bool
     confidence: float
+    error: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,14 +140,16 @@ class LandmarkFollower:
             self.reset()
         times_s = [self._now_s()]
         flowed = self._carried(frame)
-        looks = flowed is None or self._policy.wants_look(
-            expected_error(_signs(flowed)), frame.time_s - flowed.looked_s
-        )
+        error = 0.0 if flowed is None else expected_error(_signs(flowed))
+        looks = flowed is None or self._policy.wants_look(error, frame.time_s - flowed.looked_s)
         times_s.append(self._now_s())
         self._past = self._looked(frame, flowed) if looks else flowed
         times_s.append(self._now_s())
+        if self._past is None:
+            # Looking for a face is not charged: once found it must not start with debts.
+            return None
         self._book(times_s, flowed=flowed is not None, looked=looks)
-        return None if self._past is None else _followed(self._past, looks)
+        return replace(_followed(self._past, looks), error=error)
 
     def _now_s(self) -> float:
         return 0.0 if self._clock is None else self._clock()

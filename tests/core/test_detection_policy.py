@@ -69,3 +69,13 @@ def test_reset_forgets_what_was_owed_and_measured():
     assert not policy.wants_look(BLINK, 0.1)
     policy.reset()
     assert policy.wants_look(BLINK, 0.1)
+
+
+def test_one_slow_frame_is_no_slow_machine():
+    policy = DetectionPolicy("adaptive", 8.0)
+    policy.spent(2000.0, 5000.0, looked=True)
+    looks = []
+    for _ in range(200):
+        looks.append(policy.wants_look(RESTLESS, 0.1))
+        policy.spent(1.5, 16.0 if looks[-1] else None, looked=looks[-1])
+    assert sum(looks) > 60

@@ -247,6 +247,16 @@ def test_reset_makes_the_next_face_the_first():
     assert aligner.previous == [None, None]
 
 
+def test_a_long_search_for_a_face_does_not_starve_it_once_found():
+    meshes, frames = blinking(range(40, 60, 2), 60)
+    meshes[:30] = [None] * 30
+    aligner = KnowingAligner(meshes)
+    follower = LandmarkFollower(aligner, FlowSettings(budget_ms=5.0))
+    for frame in frames:
+        follower.step(frame)
+    assert {40, 41, 42, 43} <= set(aligner.looked_at)
+
+
 @pytest.fixture(scope="module")
 def real_aligner():
     folder = Path(__file__).resolve().parents[2] / "assets" / "aligner"
