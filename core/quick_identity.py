@@ -15,7 +15,6 @@ import numpy as np
 
 from core.blendshapes import spread_offsets
 from core.face_model import FaceModel, deltas_mm, neutral_mm
-from core.fit_priors import expression_prior
 from core.fit_problem import State
 from core.fit_space import Face, fit_space
 from core.geometry import matrix_from_quaternion
@@ -23,16 +22,12 @@ from core.joint_step import Person
 from core.landmarks import N_INTERNAL
 from core.model_fit import (
     LEAST_LANDMARKS,
-    Fit,
     FitSettings,
-    choose_picks,
-    observe,
-    trust_in_motion,
     trusted_landmarks,
 )
-from core.picture_fit import Problem
 from core.quick_frames import Keyframe, Keyframes, KeyframeSettings, place_of
-from core.quick_step import Guess, QuickProblem, Stepped, follow, quick_precision, quick_step
+from core.quick_problem import FocalPrior, FocalSettings, quick_problem
+from core.quick_step import Guess, Stepped, follow, quick_step
 from core.quick_stranger import StrangerSettings, StrangerWatch
 from core.records import Camera, FloatArray, Landmarks2D, UserBlendshapes
 
@@ -46,11 +41,7 @@ class QuickSettings:
             worst there.
         frames: Which frames are kept.
         stranger: When another person is taken to sit there.
-        focal_spread: How far webcams are from the first guess of the focal length, as a ratio;
-            it stands against the landmarks of all frames.
-        known_spread: The same where the focal length is known.
-        dispersion: What the energy is divided by where uncertainty is told: landmark errors of
-            one person agree from frame to frame, but are counted as independent.
+        focal: How free the focal length is.
         least_confidence: Frames with less are not looked at.
         first_calls: Calls of `advance` before the first better face, one call being one frame.
         slower: Factor on the calls between two faces, each time.
@@ -67,9 +58,7 @@ class QuickSettings:
     )
     frames: KeyframeSettings = field(default_factory=KeyframeSettings)
     stranger: StrangerSettings = field(default_factory=StrangerSettings)
-    focal_spread: float = 0.2
-    known_spread: float = 1e-4
-    dispersion: float = 4.0
+    focal: FocalSettings = field(default_factory=FocalSettings)
     least_confidence: float = 0.5
     first_calls: int = 24
     slower: float = 1.5
@@ -131,14 +120,7 @@ class QuickIdentity:
         self._model, self._camera = model, camera
         self._settings = settings = settings or QuickSettings()
         self._space = fit_space(model)
-        self._usual_spread = settings.known_spread if focal_known else settings.focal_spread
-        self._precision = quick_precision(
-            self._space.n_identities,
-            settings.fit.identity_weight,
-            self._usual_spread,
-            settings.fit.offset_mm,
-        )
-        self._usual_focal_px = camera.focal_px
+        self._focal = FocalPrior(camera.focal_px, focal_known, settings.focal)
         self.reset()
 
     def reset(self) -> None:
@@ -150,7 +132,7 @@ class QuickIdentity:
         self._person = Person(np.zeros(self._space.n_identities), np.zeros((N_INTERNAL, 3)))
         self._face = self._space.face(self._person.identity, self._person.offsets_mm)
         self._shown, self._settled = (self._face.neutral_mm, self._camera.focal_px), False
-        self._focal_spread = self._usual_spread
+        self._focal_spread = self._focal.widest
         self._stranger = StrangerWatch(self._face, self._camera, self._settings.stranger)
         self._work: Generator[None, None, None] | None = None
         self._damping, self._resting = _DAMPING, True
@@ -182,7 +164,7 @@ class QuickIdentity:
         if self._stranger.is_stranger(keyframe):
             self.reset()
         if self._keyframes.offer(keyframe):
-            self._resting = False
+            self._resting, self._damping = False, min(self._damping, _DAMPING)
 
     def advance(self) -> Personal | None:
         """Do one piece of work, a few ms; return a face when a clearly better one is ready."""
@@ -204,7 +186,10 @@ class QuickIdentity:
             np.stack([one.expression for one in frames]),
         )
         guess = Guess(self._person, self._face, self._camera, state)
-        problem = self._problem(guess, [one.landmarks for one in frames])
+        spread = self._focal.spread(frames, self._settings.frames.angle_rad)
+        problem = quick_problem(
+            self._space, guess, frames, self._settings.fit, self._focal.usual_px, spread
+        )
         yield
         fresh = np.flatnonzero([one.fresh for one in frames]).astype(np.int32)
         if fresh.size:
@@ -212,29 +197,17 @@ class QuickIdentity:
         stepped = yield from quick_step(problem, guess, self._damping)
         self._judge(stepped, frames)
 
-    def _problem(self, guess: Guess, landmarks: list[Landmarks2D]) -> QuickProblem:
-        settings, state = self._settings.fit, guess.state
-        picks = choose_picks(guess.face, state)
-        observations = observe(guess.camera, state, landmarks, settings)
-        fit = Fit(guess.person, state, picks, np.inf)
-        observations = trust_in_motion(observations, guess.face, fit, settings)
-        unprompted = np.full(state.expressions.shape, np.nan)
-        prior = expression_prior(unprompted, settings.prior)
-        pictures = Problem(guess.camera, observations, prior, settings.pictures)
-        return QuickProblem(self._space, pictures, picks, self._precision, self._usual_focal_px)
-
     def _judge(self, stepped: Stepped, frames: tuple[Keyframe, ...]) -> None:
         """Keep a step that made the energy fall."""
         gain = stepped.before - stepped.after
-        if gain <= 0:
+        if not gain > 0:  # a step to nowhere gives NaN
             self._damping *= _MORE
             self._resting = self._damping > _STUCK
             return
         self._damping = max(self._damping * _LESS, _LEAST_DAMPING)
         guess, state = stepped.guess, stepped.guess.state
         self._person, self._face, self._camera = guess.person, guess.face, guess.camera
-        spread = stepped.focal_spread * self._settings.dispersion**0.5
-        self._focal_spread = min(spread, self._usual_spread)
+        self._focal_spread = self._focal.told(stepped.focal_spread)
         after = tuple(
             replace(frame, rotation=turned, translation_mm=place, expression=shapes, fresh=False)
             for frame, turned, place, shapes in zip(
