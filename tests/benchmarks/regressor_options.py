@@ -27,6 +27,7 @@ from core.landmarks import MESH478, N_INTERNAL, PUPILS478, SHAPE_TRIANGLES
 from core.regressor import Regression, RegressionSettings
 from core.regressor_trainer import PAPER_SETTINGS, TrainSettings, train
 from core.training_set import TrainingSetSettings, make_training_set
+from core.turned_views import TurnSettings
 from tests.conftest import REPOSITORY
 from tests.synthetic_face import finish
 
@@ -64,10 +65,11 @@ class Option:
         )
 
 
+AS_TAKEN = TurnSettings(further_deg=())
 NO_LIGHT = {"exposure": 0.0, "lamp_share": 0.0, "occluded_share": 0.0}
 OPTIONS = {
     "paper": Option(
-        samples={"same_pose": False, "turn_rad": 0.0},
+        samples={"same_pose": False, "turn_rad": 0.0, "turning": AS_TAKEN},
         light=NO_LIGHT,
         running={
             "same_pose": False,
@@ -81,10 +83,12 @@ OPTIONS = {
     "poses as in other pictures": Option(
         samples={"same_pose": False}, running={"same_pose": False}
     ),
+    "pictures only as taken": Option(samples={"turning": AS_TAKEN}),
     "guesses not turned": Option(samples={"turn_rad": 0.0}),
     "offsets from one landmark": Option(points={"barycentric": False}),
     "points near landmarks": Option(points={"spread": 0.15}),
     "200 points": Option(points={"n_points": 200}),
+    "smaller cells": Option(points={"cell_size": 20}),
     "no contrast normalisation": Option(points={"softening": 0.0}),
     "no augmentation": Option(light=NO_LIGHT),
     "no exposure": Option(light={"exposure": 0.0}),
