@@ -54,7 +54,8 @@ class AutoTracker:
 
         Args:
             trained: Of the profile.
-            free: With the profile's camera: both must mean the same by a millimetre.
+            free: With the profile's camera, for both must mean the same by a millimetre. It is
+                told whether the face is the profile's.
             settings: When to change over.
         """
         self._trained, self._free = trained, free
@@ -90,7 +91,7 @@ class AutoTracker:
         look = self._trained.look
         agrees = self._trained.follows and (look is None or self._agrees(look))
         self._failed = 0 if agrees else self._failed + 1
-        if look is not None and agrees:
+        if look is not None:
             self._weigh(look, state)
         if not agrees:
             self._trained.look_within(1)
@@ -100,6 +101,7 @@ class AutoTracker:
             return state
         self._trained_leads, self._seen = False, 0
         self._free.reset()
+        self._free.assume(None if self._match.is_other else self._trained.user)
         return self._step_free(frame)
 
     def _step_free(self, frame: Frame) -> FaceState:
@@ -121,20 +123,23 @@ class AutoTracker:
     def _try(self, frame: Frame, landmarks: Landmarks2D, state: FaceState) -> None:
         """Let the regressor try this frame; from the next one on it leads if it does well."""
         look = self._trained.begin_at(frame, landmarks)
-        if look is None or not self._agrees(look):
+        if look is None:
             return
         self._weigh(look, state)
-        if self._match.is_own:
+        if self._match.is_other:
+            self._free.assume(None)
+        elif self._match.is_own and self._agrees(look):
             self._trained_leads, self._failed = True, 0
 
     def _agrees(self, look: Look) -> bool:
         return look.agrees and look.disagreement < self._settings.agreement
 
     def _weigh(self, look: Look, state: FaceState) -> None:
-        """Take a look for evidence; one in which the regressor failed would tell nothing."""
+        """Take a look for evidence; of a regressor that fails only the landmarks count."""
         misfit = self._trained.misfit(look.landmarks)
         if misfit is not None:
-            self._match.weigh(look, misfit, turned_rad(state))
+            works = look if self._agrees(look) else None
+            self._match.weigh(works, misfit, turned_rad(state))
 
 
 def turned_rad(state: FaceState) -> float:

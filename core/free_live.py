@@ -86,13 +86,14 @@ class FreeTracker:
             follower: Gives the landmarks of every frame.
             camera: The source's; None: the focal length is found while tracking.
             settings: How.
-            user: Whose face to begin with; None: the mean face.
+            user: Whose face it is; None: it is found while tracking.
         """
         self._model, self._follower = model, follower
         self._settings = settings or FreeSettings()
-        self._user: UserBlendshapes | Personal = user or mean_user(model)
+        self._anybody: UserBlendshapes | Personal = mean_user(model)
+        self._assumed = user
         self._home = camera or UNKNOWN_CAMERA
-        head = head_of(model, self._user, self._home)
+        head = head_of(model, user or self._anybody, self._home)
         self._faces = FaceBlend(head, self._settings.face_blend_s)
         self._energy = EnergyTracker(head.face, head.camera, self._settings.energy)
         self._identity = QuickIdentity(
@@ -112,17 +113,18 @@ class FreeTracker:
 
     @property
     def user(self) -> UserBlendshapes:
-        """The best face found so far, and how it usually looks at the screen.
+        """The face that is assumed or found so far, and how it usually looks at the screen.
 
         The first question after a better one takes some 20 ms.
         """
-        known = self._user.user if isinstance(self._user, Personal) else self._user
+        used = self._assumed or self._anybody
+        known = used.user if isinstance(used, Personal) else used
         return replace(known, rest_wxyz=self._usual.rotation_wxyz(known.rest_wxyz))
 
     @property
     def acquainted(self) -> bool:
         """Whether `user` is the person before the camera rather than anybody."""
-        return isinstance(self._user, Personal) and self._usual.seen_s >= ACQUAINTED_S
+        return isinstance(self._anybody, Personal) and self._usual.seen_s >= ACQUAINTED_S
 
     @property
     def looked(self) -> Landmarks2D | None:
@@ -134,6 +136,12 @@ class FreeTracker:
         """Forget where the face was, as after a cut; what is known of the person stays."""
         self._follower.reset()
         self._forget()
+
+    def assume(self, user: UserBlendshapes | None) -> None:
+        """Take the face for somebody's from now on, or with None for the one that was found."""
+        if user is not self._assumed:
+            self._assumed = user
+            self._approach(self._last.time_s)
 
     def step(self, frame: Frame) -> FaceState:
         """Return the face in a frame; `lost` and the last good state where there is none."""
@@ -152,6 +160,9 @@ class FreeTracker:
         self._last = self._state(frame.time_s, landmarks, solved, confidence)
         if self._settings.learn:
             self._learn(landmarks, solved, frame.time_s)
+        if not self._faces.arrived:
+            head = self._faces.step(frame.time_s)
+            self._energy.use(head.face, head.camera)
         return self._last
 
     def _forget(self) -> None:
@@ -198,7 +209,7 @@ class FreeTracker:
         return self._gaze.step(directions, closed, time_s)
 
     def _learn(self, landmarks: Landmarks2D, solved: Solved, time_s: float) -> None:
-        """Show the frame to the search for the person's face, and use a better face."""
+        """Show the frame to the search for the person's face; use a better face and camera."""
         if self.looked is not None:
             self._usual.add(solved.rotation_wxyz, solved.translation_mm, time_s)
             self._identity.offer(
@@ -207,11 +218,15 @@ class FreeTracker:
             )  # fmt: skip
         better = self._identity.advance()
         if better is not None:
-            self._user = better
-            self._faces.begin(head_of(self._model, better, better.camera), time_s)
-        if not self._faces.arrived:
-            head = self._faces.step(time_s)
-            self._energy.use(head.face, head.camera)
+            self._anybody = better
+            self._approach(time_s)
+
+    def _approach(self, time_s: float) -> None:
+        """Begin to use the face that is assumed or found."""
+        found = self._anybody
+        camera = found.camera if isinstance(found, Personal) else self._home
+        head = head_of(self._model, self._assumed or found, camera)
+        self._faces.begin(head, time_s)
 
 
 def mean_user(model: FaceModel) -> UserBlendshapes:

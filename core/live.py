@@ -126,6 +126,11 @@ class LiveTracker:
         return self._camera
 
     @property
+    def user(self) -> UserBlendshapes:
+        """The face of the profile."""
+        return self._user.blendshapes
+
+    @property
     def look(self) -> Look | None:
         """What the aligner saw in the last frame, None if it did not look or saw nothing."""
         return self._look

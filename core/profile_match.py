@@ -70,11 +70,11 @@ class ProfileMatch:
         """Know nothing: there was no face, so another may come."""
         self._sum, self._weight = 0.0, 0.0
 
-    def weigh(self, look: Look, misfit: float, turned_rad: float) -> None:
+    def weigh(self, look: Look | None, misfit: float, turned_rad: float) -> None:
         """Take a look into account.
 
         Args:
-            look: What the aligner saw and the regressor made of it.
+            look: What the aligner saw and the regressor made of it, None if that failed.
             misfit: Of the profile's face, see `LiveTracker.misfit`.
             turned_rad: Angle between the head and one that faces the camera.
         """
@@ -86,11 +86,11 @@ class ProfileMatch:
         self._weight = kept * self._weight + weight
 
 
-def strangeness(look: Look, misfit: float, settings: MatchSettings) -> float:
+def strangeness(look: Look | None, misfit: float, settings: MatchSettings) -> float:
     """Return what one look says: above 0 for another's face, below 0 for the profile's."""
+    unfit = float(np.log(max(misfit, 1e-4) / settings.misfit))
+    if look is None:
+        return unfit
     unlike = float(np.log(max(look.shape.residual, 1e-3) / settings.residual))
-    return float(
-        np.log(max(look.disagreement, 1e-4) / settings.disagreement)
-        + min(unlike, settings.most_from_residual)
-        + np.log(max(misfit, 1e-4) / settings.misfit)
-    )
+    apart = float(np.log(max(look.disagreement, 1e-4) / settings.disagreement))
+    return apart + min(unlike, settings.most_from_residual) + unfit

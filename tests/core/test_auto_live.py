@@ -95,6 +95,8 @@ class TrainedSpy:
     def misfit(self, landmarks):
         return self.scene.measured[2]
 
+    user = "the profile's"
+
     def reset(self):
         self.follows = False
 
@@ -104,12 +106,15 @@ class FreeSpy:
 
     def __init__(self, scene):
         self.scene, self.steps, self.resets = scene, 0, 0
-        self.looked = None
+        self.looked, self.assumed = None, TrainedSpy.user
 
     def step(self, frame):
         self.steps += 1
         self.looked = LANDMARKS if self.scene.seen and self.scene.by_network else None
         return state_of("free", frame.time_s, 640, lost=not self.scene.seen)
+
+    def assume(self, user):
+        self.assumed = user
 
     def reset(self):
         self.resets += 1
@@ -127,6 +132,7 @@ def test_another_person_is_tracked_without_training_from_the_first_frame_on():
     scene = Scene()
     scene.measured = OTHER
     assert set(scene.modes(200)) == {"free"}
+    assert scene.free.assumed is None
     assert scene.trained.steps == 0 and 5 <= scene.trained.tries <= 25
 
 
@@ -136,6 +142,7 @@ def test_another_person_who_sits_down_is_noticed():
     scene.measured = OTHER
     modes = scene.modes(100)
     assert modes[0] == "trained" and set(modes[70:]) == {"free"}
+    assert scene.free.assumed is None
 
 
 def test_another_person_after_an_empty_chair_is_noticed_at_once():
@@ -162,6 +169,8 @@ def test_a_failing_regressor_is_left_after_a_few_frames_and_taken_back_when_it_w
     scene.measured = FAILING
     modes = scene.modes(60)
     assert modes[:2] == ["trained", "trained"] and set(modes[3:]) == {"free"}
+    # It is still the person of the profile, whose face is known.
+    assert scene.free.assumed == TrainedSpy.user
     scene.measured = OWN
     modes = scene.modes(120)
     assert modes[0] == "free" and set(modes[80:]) == {"trained"}

@@ -21,7 +21,6 @@ from core.geometry import (
 )
 from core.landmark_flow import Followed
 from core.landmarks import N_INTERNAL, N_LANDMARKS
-from core.quick_identity import QuickSettings
 from core.records import Frame, Landmarks2D
 from tests.core.painted_user import painted_user
 from tests.core.tracked_faces import expression, head_pose, index, shape_of
@@ -257,7 +256,7 @@ def test_what_is_known_of_the_person_outlasts_a_cut(learned):
 
 def test_eyes_are_where_the_whole_face_has_them(learned):
     stage, _ = learned
-    person = stage.tracker._user
+    person = stage.tracker._anybody
     whole = head_of(stage.user.model, stage.tracker.user, stage.camera).eye_centers_mm
     assert np.abs(eye_centers_of(stage.user.model, person) - whole).max() < 0.2
 
@@ -272,9 +271,37 @@ def test_a_user_given_at_the_start_is_used_from_the_first_frame():
     np.testing.assert_array_equal(stage.tracker.user.neutral_mm, stage.user.blendshapes.neutral_mm)
 
 
+def test_a_face_that_is_assumed_is_used_until_it_is_not(learned):
+    stage, _ = learned
+    found, assumed = stage.tracker.user, mean_user(stage.user.model)
+    stage.tracker.assume(assumed)
+    before = stage.film()
+    np.testing.assert_array_equal(stage.tracker.user.neutral_mm, assumed.neutral_mm)
+    states = [before, *(stage.film() for _ in range(20))]
+    poorer = stage.miss_px(states[-1])
+    stage.tracker.assume(None)
+    states += [stage.film() for _ in range(20)]
+    np.testing.assert_array_equal(stage.tracker.user.neutral_mm, found.neutral_mm)
+    assert stage.miss_px(states[-1]) < 0.7 * poorer
+    shown = np.array([state.landmarks_px for state in states])
+    assert np.linalg.norm(np.diff(shown, axis=0), axis=2).max() < 2.0
+
+
+def test_another_person_is_learned_anew():
+    stage = Stage(settings=FreeSettings(), identity_seed=4)
+    wandering(stage, 120)
+    first = stage.tracker.user
+    stage.user, stage.face = painted_user(7), None
+    stage.film()
+    stage.time_s += 10
+    stage.film()
+    wandering(stage, 120)
+    assert shape_error_mm(stage, stage.tracker.user) < 0.6 * shape_error_mm(stage, first)
+
+
 def test_an_unknown_focal_length_is_found_from_turned_heads():
-    quick = FreeSettings(identity=QuickSettings(focal_spread=0.3))
-    stage = Stage(camera_for((640, 480), 800.0), quick, known=False)
+
+    stage = Stage(camera_for((640, 480), 800.0), FreeSettings(), known=False)
     assert stage.tracker.camera is not None and UNKNOWN_CAMERA.focal_px == 640
     wandering(stage, 200)
     assert abs(np.log(stage.tracker.camera.focal_px / 800)) < abs(np.log(640 / 800))

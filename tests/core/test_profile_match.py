@@ -78,6 +78,16 @@ def test_a_new_lamp_alone_makes_no_stranger():
     assert dark == strangeness(look(0.0075, 50.0), 0.005, settings)
 
 
+def test_of_a_failing_regressor_only_the_landmarks_count():
+    match = ProfileMatch()
+    for _ in range(4):
+        match.weigh(None, 0.005, 0.0)
+    assert match.is_own
+    for _ in range(6):
+        match.weigh(None, 0.0131, 0.0)
+    assert match.is_other
+
+
 def test_each_measurement_counts():
     settings = MatchSettings()
     usual = strangeness(look(0.01, 0.5), 0.006, settings)
