@@ -6,6 +6,8 @@ from collections.abc import Generator, Sequence
 import numpy as np
 
 from app.models import Models
+from app.performer.conditions import HAND
+from app.performer.hand import cover_share
 from app.performer.opening import CONDITION_NAMES, PEOPLE, Scenario
 from app.sources import open_source
 from app.studies.film import Film, Way, perform, track, watch
@@ -13,9 +15,12 @@ from app.studies.measures import coefficient_errors, landmark_errors_px, pose_er
 from app.studies.report import Cell, Column, Report, Table
 from core.evaluation import against_reference
 from core.landmarks import N_INTERNAL
-from core.records import Progress
+from core.records import FaceState, Progress
 
 HELP = "errors with glasses, beard, hair, a hand, dim light, one-sided faces; --video: real films"
+#: Share of the way up from which a hand counts as covering.
+_COVERING = 0.9
+
 _COLUMNS = (
     Column("frames"), Column("lost"), Column("network px"), Column("landmarks px"),
     Column("rotation deg"), Column("place mm", 1), Column("coefficients", 3), Column("shown", 3),
@@ -57,7 +62,7 @@ def run(args: argparse.Namespace, models: Models) -> Generator[Progress, None, R
     rows: dict[str, Sequence[Cell]] = {}
     for name, scenario in ({} if args.only_videos else scenarios(args.person)).items():
         film = yield from perform(scenario, models, args.frames)
-        rows[name] = condition_cells(film, models)
+        rows |= condition_rows(name, film, models)
     films: dict[str, Sequence[Cell]] = {}
     for name in args.video:
         with open_source(name) as source:
@@ -75,21 +80,30 @@ def run(args: argparse.Namespace, models: Models) -> Generator[Progress, None, R
     ])  # fmt: skip
 
 
-def condition_cells(film: Film, models: Models) -> list[Cell]:
-    """Return the errors of a performer's film in the order of the columns."""
+def condition_rows(name: str, film: Film, models: Models) -> dict[str, list[Cell]]:
+    """Return the errors of a performer's film by name; a hand also while it covers the mouth."""
     states = track(film, models, Way())
-    kept = [n for n, state in enumerate(states) if not state.lost]
-    n_lost = len(states) - len(kept)
+    rows = {name: condition_cells(film, states, range(len(states)))}
+    if name == HAND:
+        covered = [n for n, time_s in enumerate(film.times_s) if cover_share(time_s) > _COVERING]
+        rows[f"{name}, while it covers"] = condition_cells(film, states, covered)
+    return rows
+
+
+def condition_cells(film: Film, states: Sequence[FaceState], frames: Sequence[int]) -> list[Cell]:
+    """Return the errors in some frames of a performer's film in the order of the columns."""
+    kept = [n for n in frames if not states[n].lost]
+    n_lost = len(frames) - len(kept)
     if film.camera is None or not kept:
-        return [len(states), n_lost, *[None] * (len(_COLUMNS) - 2)]
+        return [len(frames), n_lost, *[None] * (len(_COLUMNS) - 2)]
     solved, truths = [states[n] for n in kept], [film.truths[n] for n in kept]
-    seen = [one.landmarks.points_px for one in film.seen if one is not None]
+    seen = [one.landmarks.points_px for one in (film.seen[n] for n in kept) if one is not None]
     network = landmark_errors_px(seen, truths, film.camera).mean()
     landmarks = landmark_errors_px([s.landmarks_px for s in solved], truths, film.camera).mean()
     errors = pose_errors(solved, truths)
     degrees, mm = np.abs(errors.degrees).mean(), np.abs(errors.mm).mean()
     figures = [network, landmarks, degrees, mm, *coefficient_errors(solved, truths)]
-    return [len(states), n_lost, *(float(figure) for figure in figures)]
+    return [len(frames), n_lost, *(float(figure) for figure in figures)]
 
 
 def film_cells(film: Film, models: Models) -> list[Cell]:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from app.main import main
+from app.performer.hand import cover_share
 from app.performer.opening import Scenario, open_performer
 from app.performer.people import load_person
 from app.performer.takes import make_take
@@ -228,7 +229,7 @@ def test_a_film_without_a_face_has_no_errors(filmed, models):
     found, _, lost = pose.errors_of(blind, models, Way())
     assert pose.pose_cells(found) == [None] * len(pose.POSE_COLUMNS)
     assert lost == 3
-    assert conditions.condition_cells(blind, models)[:3] == [3, 3, None]
+    assert conditions.condition_rows("dim", blind, models)["dim"][:3] == [3, 3, None]
     assert still.still_cells(blind, models, Way())[-2:] == [None, 3]
 
 
@@ -275,10 +276,20 @@ def test_conditions_study_has_a_row_for_each(performed, models):
     assert {"plain", "asymmetric", "glasses", "beard", "fringe", "hand", "dim"} <= set(rows)
     assert {scenario.person for scenario in performed} == {"tomas"}
     assert ("hand",) in {scenario.conditions for scenario in performed}
+    # The hand is away in the first second.
+    assert rows.pop("hand, while it covers")[:3] == [0, 0, None]
     for frames, lost, network_px, landmarks_px, *_ in rows.values():
         assert (frames, lost) == (8, 0)
         assert network_px < 1e-6
         assert landmarks_px < 6
+
+
+def test_a_hand_is_judged_apart_while_it_covers(filmed, models):
+    film = filmed("talking", 80)
+    rows = conditions.condition_rows("hand", film, models)
+    assert rows["hand"][0] == 80
+    covered = sum(cover_share(float(time_s)) > 0.9 for time_s in film.times_s)
+    assert rows["hand, while it covers"][0] == covered > 20
 
 
 def bu_rows(truths):
