@@ -8,6 +8,17 @@ class AppError(Exception):
     """Something outside the program cannot be used. The text is meant for the user."""
 
 
+class NoDisplayError(AppError):
+    """A window was asked for where none can be shown."""
+
+    def __init__(self, what: str) -> None:
+        self.what = what
+        super().__init__(
+            f"found no display (neither DISPLAY nor WAYLAND_DISPLAY is set), expected one for "
+            f"{what}: run this on a desktop"
+        )
+
+
 class SourceMissingError(AppError):
     """There is no file or folder of this name."""
 

@@ -9,14 +9,29 @@ import numpy as np
 
 from app.profiles import decoded, encoded, load_setup_images
 from app.setup_steps import Pictures, keep, make_profile
+from core.blendshapes import user_blendshapes
+from core.camera import camera_for
 from core.draft import Draft, DraftPicture
 from core.face_model import FaceModel
 from core.generations import HEADER_NAME
 from core.landmark_edit import points_of
-from core.records import U8, FloatArray, Landmarks2D, Progress, SetupImages
+from core.landmark_guess import guess_landmarks, placed_kept
+from core.model_fit import FitSettings, fit_model
+from core.pipeline import usable_pictures
+from core.records import (
+    U8,
+    Camera,
+    FloatArray,
+    Landmarks2D,
+    Progress,
+    SetupImages,
+    UserBlendshapes,
+)
 from core.setup_plan import SHOTS, standard_for
 from core.store import Profile, load
 
+#: Focal length of usual webcams over the width of their pictures.
+FIRST_FOCAL = 0.95
 #: What the generic aligner sees in a picture, None without a face.
 Find = Callable[[U8], Landmarks2D | None]
 
@@ -117,6 +132,10 @@ class Workbook:
         else:
             self._draft.put(name, replace(known, landmarks=landmarks))
 
+    def suggest(self, name: str, landmarks: Landmarks2D) -> None:
+        """Use other landmarks for a picture until the user corrects them; nothing is kept."""
+        self._landmarks[name] = landmarks
+
     def put(
         self, name: str, rgb: U8, landmarks: Landmarks2D, quality: Mapping[str, object]
     ) -> None:
@@ -176,6 +195,34 @@ class Workbook:
             return False
         trained = self.profile.landmarks[self.profile.names.index(name)]
         return _same(trained, self._landmarks[name])
+
+
+def first_fit(
+    model: FaceModel, book: Workbook
+) -> Generator[Progress, None, tuple[Camera, UserBlendshapes]]:
+    """Return the camera and the face of a workbook, roughly before its first training.
+
+    Pictures of prompts in which no face was found get guessed landmarks.
+
+    Raises:
+        FewPicturesError: Too few pictures show a face.
+    """
+    if book.profile is not None:
+        return book.profile.camera, book.profile.user
+    standard = np.stack([book.standard(name) for name in book.names])
+    images = SetupImages(tuple(book.image(name) for name in book.names), book.names, standard)
+    marks = [book.landmarks(name) for name in book.names]
+    images, usable, sorting = usable_pictures(images, marks)
+    height, width = images.images[0].shape[:2]
+    camera = camera_for((width, height), FIRST_FOCAL * width)
+    fit = yield from fit_model(model, camera, usable, FitSettings(), images.standard)
+    user = user_blendshapes(model, fit)
+    prompts = {shot.name: shot for shot in SHOTS}
+    fitted = [prompts[name] for name in images.names]
+    for name in (book.names[n] for n in sorting.guessed):
+        guess = guess_landmarks(model, user, camera, prompts[name], fitted, fit)
+        book.suggest(name, placed_kept(guess, book.landmarks(name)))
+    return camera, user
 
 
 def thumbnail(rgb: U8, width: int) -> U8:

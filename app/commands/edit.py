@@ -9,22 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from app.commands.window import has_display
-from app.errors import AppError
+from app.commands.display import has_display
+from app.errors import NoDisplayError
 from app.profiles import profile_folder
 from core.records import U8, Landmarks2D, Progress
 
 DESCRIPTION = "Look at the pictures of a profile, put wrong landmarks right, and train again."
-
-
-class NoDisplayError(AppError):
-    """A window was asked for where none can be shown."""
-
-    def __init__(self) -> None:
-        super().__init__(
-            "found no display (neither DISPLAY nor WAYLAND_DISPLAY is set), expected one for the "
-            "landmark editor: run this on a desktop"
-        )
 
 
 def add_parser(commands: Any) -> None:
@@ -39,7 +29,7 @@ def run(args: argparse.Namespace) -> int:
     """Show the editor until it is closed; return the exit code."""
     folder = profile_folder(args.profile)
     if not has_display():
-        raise NoDisplayError
+        raise NoDisplayError("the landmark editor")
     from PySide6.QtWidgets import QApplication
 
     application = QApplication(sys.argv[:1])
@@ -77,7 +67,7 @@ def open_editor(folder: Path) -> tuple[Any, Any]:
 
     book = Workbook(folder, find)
 
-    def train(book: Workbook) -> Generator[Progress, None, str]:
+    def train(book: Workbook) -> Generator[Progress, None, object]:
         profile = yield from book.train(model, np.random.default_rng(0))
         return f"Trained again; {len(profile.names)} pictures are in use."
 

@@ -1,4 +1,4 @@
-"""`facepuppet setup PROFILE SOURCE`: make a profile from setup images or from a video."""
+"""`facepuppet setup PROFILE SOURCE`: make a profile; without a source, the guided setup."""
 
 import argparse
 import sys
@@ -9,13 +9,17 @@ from typing import Any
 
 import numpy as np
 
+from app.commands.guided import show_setup
 from app.commands.progress import TerminalProgress, duration
 from app.errors import SourceMissingError
 from app.profiles import profile_folder
 from core.generations import check_target
 from core.plain_json import json_text
 
-DESCRIPTION = "Make a profile from a folder of setup images or from a video of one person."
+DESCRIPTION = (
+    "Make a profile from a folder of setup images or from a video of one person; without SOURCE, "
+    "show the guided setup with the webcam."
+)
 #: Inner corners of the chessboard of --chessboard, the pattern that OpenCV prints.
 CHESSBOARD = (9, 6)
 
@@ -24,10 +28,17 @@ def add_parser(commands: Any) -> None:
     """Add the command and its options."""
     parser = commands.add_parser("setup", help=DESCRIPTION, description=DESCRIPTION)
     parser.add_argument(
-        "profile", metavar="PROFILE", help="name of the profile, or a path to keep it at"
+        "profile",
+        metavar="PROFILE",
+        nargs="?",
+        default="",
+        help="name of the profile, or a path to keep it at",
     )
     parser.add_argument(
-        "source", metavar="SOURCE", help="folder of images named by shot, or a video file"
+        "source",
+        metavar="SOURCE",
+        nargs="?",
+        help="folder of images named by shot, or a video file",
     )
     parser.add_argument(
         "--focal", type=positive, metavar="PX",
@@ -51,7 +62,9 @@ def positive(text: str) -> float:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Make and keep the profile; return the exit code."""
+    """Make and keep the profile, or show the guided setup; return the exit code."""
+    if args.source is None:
+        return show_setup(args.profile)
     from app.models import load_models
     from app.setup_steps import collect, keep, make_profile
 

@@ -1,23 +1,16 @@
 """No command: the live window, or the demo where no window can be shown."""
 
 import argparse
-import os
 import signal
 import sys
 
 from app.commands.demo import DemoOptions, play
+from app.commands.display import has_display
 
 NO_DISPLAY = (
     "no display found (neither DISPLAY nor WAYLAND_DISPLAY is set): playing the demo instead; "
     "see also: facepuppet --help\n"
 )
-
-
-def has_display() -> bool:
-    """Return whether a window can be shown; without a display Qt would abort the program."""
-    if not sys.platform.startswith("linux"):
-        return True
-    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def run(args: argparse.Namespace) -> int:

@@ -33,7 +33,7 @@ class EditorController(QObject):
 
     def __init__(
         self, window: EditorWindow, book: Workbook, refitter: Callable[[], Refitter],
-        train: Callable[[Workbook], Generator[Progress, None, str]],
+        train: Callable[[Workbook], Generator[Progress, None, object]],
     ) -> None:  # fmt: skip
         """Show a workbook.
 
@@ -93,7 +93,9 @@ class EditorController(QObject):
 
     def _judge(self, name: str) -> None:
         marks = self._book.landmarks(name)
-        model_px = self._refitter.model_points(marks, self._book.standard(name))
+        model_px = marks.points_px
+        if is_placed(marks):
+            model_px = self._refitter.model_points(marks, self._book.standard(name))
         self._suspicions[name] = suspicion(marks, model_px)
 
     def _cell(self, name: str) -> Cell:
@@ -140,7 +142,7 @@ class EditorController(QObject):
         self._window.panel.point_label.setText(self._hand.told(marks, POINT_NAMES))
 
     def _fitted(self, marks: Landmarks2D) -> FittedModel | None:
-        if not self._window.panel.model_box.isChecked():
+        if not self._window.panel.model_box.isChecked() or not is_placed(marks):
             return None
         return self._refitter.fitted(marks, self._book.standard(self._name))
 
@@ -237,7 +239,9 @@ class EditorController(QObject):
         self._change("reset", self._hand.reset(self._now, found))
 
     def _refit(self) -> None:
-        self._change("refit", self._refitter.refit(self._now, self._book.standard(self._name)))
+        if is_placed(self._now):
+            standard = self._book.standard(self._name)
+            self._change("refit", self._refitter.refit(self._now, standard))
 
     def _copy_previous(self) -> None:
         previous = self._book.names[self._book.names.index(self._name) - 1]
@@ -304,6 +308,11 @@ class EditorController(QObject):
     def _on_training_finished(self) -> None:
         self._window.job_row.end()
         self._show_picture()
+
+
+def is_placed(landmarks: Landmarks2D) -> bool:
+    """Return whether the points lie anywhere at all; without a face and a prompt all are at 0."""
+    return bool(np.ptp(landmarks.points_px) > 1.0)
 
 
 def title_of(name: str) -> str:

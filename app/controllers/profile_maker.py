@@ -28,6 +28,7 @@ class ProfileMaker(QObject):
     """Runs the steps that make a profile and tells how far they are."""
 
     progressed = Signal(str, int)  # what is done and how long it takes, percent
+    noted = Signal(object)  # Progress, with what may be plotted
     made = Signal(object)  # what the steps return: MadeProfile, or a text for people
     failed = Signal(object)  # CoreError or AppError
     finished = Signal()  # in any case, also after a cancel or an error of the program
@@ -75,6 +76,7 @@ class ProfileMaker(QObject):
         left = remaining_text(share, self._clock() - self._started_s)
         text = f"{progress.label}, {left}" if left else progress.label
         self.progressed.emit(text, round(100 * share))
+        self.noted.emit(progress)
 
     def _on_finished(self) -> None:
         if self._job is None or not self._job.isFinished():

@@ -21,6 +21,20 @@ def ask_for_folder(parent: QWidget, title: str, chosen: Callable[[str], object])
     return _ask(parent, title, QFileDialog.FileMode.Directory, chosen, lambda: None)
 
 
+def ask_where_to_save(
+    parent: QWidget, title: str, name: str, chosen: Callable[[str], object]
+) -> QFileDialog:
+    """Open a dialog for the name of a new file."""
+    folders = QStandardPaths.standardLocations(QStandardPaths.StandardLocation.DocumentsLocation)
+    dialog = QFileDialog(parent, title, folders[0] if folders else "")
+    dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+    dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
+    dialog.selectFile(name)
+    dialog.fileSelected.connect(chosen)
+    dialog.open()
+    return dialog
+
+
 def _ask(
     parent: QWidget, title: str, mode: QFileDialog.FileMode, chosen: Callable[[str], object],
     cancelled: Callable[[], object],

@@ -170,3 +170,13 @@ def test_a_missing_system_library_is_named_with_the_line_that_installs_it(monkey
 def test_program_and_run_script_name_the_same_system_packages():
     packages = {*OFFSCREEN_LIBRARIES.values(), *WINDOW_LIBRARIES.values()}
     assert set(DEBIAN_LINE.removeprefix("sudo apt-get install ").split()) == packages
+
+
+@pytest.mark.parametrize("command", [["setup"], ["setup", "me"], ["edit", "me"]])
+def test_windows_need_a_display(command, monkeypatch, capsys):
+    from app.commands import edit, guided
+
+    monkeypatch.setattr(guided, "has_display", lambda: False)
+    monkeypatch.setattr(edit, "has_display", lambda: False)
+    assert main(command) == 2
+    assert "display" in capsys.readouterr().err

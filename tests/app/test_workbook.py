@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 
 from app import workbook
-from app.workbook import Workbook
+from app.setup_steps import unseen
+from app.workbook import Workbook, first_fit
 from core.landmark_edit import points_of
 from core.records import Landmarks2D
 from core.setup_plan import SHOTS
 from core.store import load
 from tests.app.test_editor import film, folder  # noqa: F401  fixtures
+from tests.core.held_out_person import face_model, filmed, person
+from tests.core.synthetic_fit import result_of
 
 SHOT = "grin_yaw+0"
 
@@ -113,3 +116,25 @@ def test_training_takes_all_pictures_and_empties_the_draft(
     assert seen == [(book.names, None)] and SHOT in seen[0][0]
     assert not book.outdated
     assert SHOT in load(folder).names and not Workbook(folder, nothing).outdated
+
+
+def test_before_the_first_training_a_face_is_fitted_and_profiles_are_guessed(tmp_path, rng):
+    shots = [shot for shot in SHOTS if shot.expression_name in ("neutral", "smile")]
+    people = filmed(person(0), [s for s in shots if abs(s.yaw) < 1.2], rng)
+    seen = dict(zip((shot.name for shot in people.shots), people.landmarks, strict=True))
+    book = Workbook(tmp_path, nothing)
+    picture = np.full((480, 640, 3), 90, np.uint8)
+    for shot in shots:
+        book.put(shot.name, picture, seen.get(shot.name, unseen()), {})
+    steps = first_fit(face_model(), book)
+    camera, user = result_of(steps)
+    assert camera.size_px == (640, 480) and user.neutral_mm.shape == face_model().mean_mm.shape
+    guess = book.landmarks("pose_yaw-90")
+    assert not guess.confidence.any()
+    frontal = book.landmarks("pose_yaw+0").points_px
+    assert 0.3 < np.ptp(guess.points_px[:60], axis=0)[0] / np.ptp(frontal[:60], axis=0)[0] < 0.9
+    shift = guess.points_px[:60].mean(axis=0) - frontal[:60].mean(axis=0)
+    # The face moves round the neck to where it looks.
+    assert -280 < shift[0] < -60 and abs(shift[1]) < 40
+    again = Workbook(tmp_path, nothing)
+    assert not again.landmarks("pose_yaw-90").points_px.any()

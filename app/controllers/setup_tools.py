@@ -1,0 +1,109 @@
+"""What the guided setup needs of the rest of the program, in one place."""
+
+from collections.abc import Callable, Generator
+
+import numpy as np
+
+from app.capture.source import FrameSource
+from app.controllers.toolbox import Toolbox
+from app.models import Looking, free_tracker, load_aligner
+from app.performer.prompted import PromptedPerformer
+from app.profiles import data_folder, profile_folder
+from app.setup_steps import rivals
+from app.views.choice import Choice
+from app.workbook import Workbook, first_fit
+from core.draft import Draft
+from core.free_live import FreeTracker
+from core.generations import DRAFT_NAME, HEADER_NAME
+from core.landmark_refit import Refitter
+from core.records import U8, Landmarks2D, Progress
+
+#: Key of the performer who follows the prompts.
+PROMPTED = "performer:prompted"
+
+
+class SetupTools(Toolbox):
+    """A toolbox for the guided setup, too."""
+
+    def __init__(self, by_clock: bool = True) -> None:
+        """Prepare.
+
+        Args:
+            by_clock: The performer moves by the clock; else as fast as frames are looked at.
+        """
+        super().__init__()
+        self._by_clock = by_clock
+        self._performer: PromptedPerformer | None = None
+        self._prompt = ""
+
+    def performances(self) -> list[Choice]:
+        """Return the performers that can stand in for a camera."""
+        return [Choice(PROMPTED, "Virtual performer", "A synthetic person follows the prompts")]
+
+    def open_source(self, key: str, began_again: Callable[[], None]) -> FrameSource:
+        """Open a source; called in a background thread."""
+        if key != PROMPTED:
+            return super().open_source(key, began_again)
+        performer = PromptedPerformer(by_clock=self._by_clock)
+        if self._prompt:
+            performer.follow(self._prompt)
+        self._performer = performer
+        return performer
+
+    def prompt(self, name: str) -> None:
+        """Let a performer who stands in for a camera know what is asked for."""
+        self._prompt = name
+        if self._performer is not None:
+            self._performer.follow(name)
+
+    def capture_tracker(self) -> tuple[FreeTracker, Callable[[U8], int]]:
+        """Return a tracker, and what counts rival faces in a picture."""
+        models = self.models()
+        tracker = free_tracker(models, looking=Looking("every"))
+        return tracker, lambda rgb: rivals(models.aligner.detect(rgb))
+
+    def profiles_folder(self) -> str:
+        """Return where profiles live."""
+        return str(data_folder() / "profiles")
+
+    def profiles_told(self) -> list[tuple[str, str]]:
+        """Return the profiles, finished or not, each with what is to be known about it."""
+        parent = data_folder() / "profiles"
+        folders = sorted(parent.iterdir(), key=lambda path: path.name.casefold()) if (
+            parent.is_dir()
+        ) else []  # fmt: skip
+        told = []
+        for folder in folders:
+            n_new = len(Draft(folder).names()) if (folder / DRAFT_NAME).is_dir() else 0
+            trained = (folder / HEADER_NAME).exists()
+            if trained and n_new:
+                told.append((folder.name, f"trained; {n_new} pictures changed since"))
+            elif trained:
+                told.append((folder.name, "trained"))
+            elif n_new:
+                told.append((folder.name, f"{n_new} pictures taken, not yet trained"))
+        return told
+
+    def open_book(self, name: str) -> Workbook:
+        """Open the pictures of a profile, which need not be there.
+
+        Raises:
+            CoreError, AppError: It cannot be read, or the name cannot be one.
+        """
+
+        def find(rgb: U8) -> Landmarks2D | None:
+            found = load_aligner().first(rgb)
+            return None if found is None else found.landmarks
+
+        return Workbook(profile_folder(name), find)
+
+    def first_fit(self, book: Workbook) -> Generator[Progress, None, Refitter]:
+        """Fit the face to a book's pictures."""
+        model = self.models().face_model
+        camera, user = yield from first_fit(model, book)
+        return Refitter(model, user, camera)
+
+    def train(self, book: Workbook) -> Generator[Progress, None, object]:
+        """Train a book's profile."""
+        profile = yield from book.train(self.models().face_model, np.random.default_rng(1))
+        return f"Trained with {len(profile.names)} pictures."

@@ -1,0 +1,206 @@
+"""The guided setup at work: which step may be visited, and what each needs."""
+
+from collections.abc import Generator
+from typing import Protocol
+
+from PySide6.QtCore import QObject, Signal
+
+from app.controllers import capture_tools
+from app.controllers.capturing import CaptureController
+from app.controllers.editing import EditorController
+from app.controllers.training import TrainingController
+from app.errors import AppError
+from app.views.editor.editor_window import EditorWindow
+from app.views.notice import Notice
+from app.views.setup.setup_window import STEPS, SetupWindow
+from app.workbook import Workbook
+from app.workers.job import Job
+from core.errors import CoreError
+from core.landmark_refit import Refitter
+from core.pipeline import LEAST_PICTURES
+from core.records import Progress
+
+
+class Tools(capture_tools.Tools, Protocol):
+    """What is needed of the toolbox."""
+
+    def profiles_folder(self) -> str:
+        """Return where profiles live."""
+        ...
+
+    def name_trouble(self, name: str) -> str:
+        """Return what is wrong with the name of a profile, or an empty text."""
+        ...
+
+    def profiles_told(self) -> list[tuple[str, str]]:
+        """Return the profiles, finished or not, each with what is to be known about it."""
+        ...
+
+    def open_book(self, name: str) -> Workbook:
+        """Open the pictures of a profile, which need not be there."""
+        ...
+
+    def first_fit(self, book: Workbook) -> Generator[Progress, None, Refitter]:
+        """Fit the face to a book's pictures."""
+        ...
+
+    def train(self, book: Workbook) -> Generator[Progress, None, object]:
+        """Train a book's profile."""
+        ...
+
+
+class SetupController(QObject):
+    """Joins the setup window with the controllers of its pages."""
+
+    live_wanted = Signal(str)  # name of a profile
+
+    def __init__(self, window: SetupWindow, tools: Tools, source: str = "") -> None:
+        """Prepare a setup.
+
+        Args:
+            window: To show it in.
+            tools: The rest of the program.
+            source: Key of the source to shoot with; without it the first camera.
+        """
+        super().__init__(window)
+        self._window, self._tools, self._source = window, tools, source
+        self._book: Workbook | None = None
+        self._step, self._fitting = "start", ""
+        self._editor: EditorController | None = None
+        self._job: Job | None = None
+        self.capturing = CaptureController(window.capture, tools, self)
+        self.training = TrainingController(window.train, tools.train, self)
+        self._connect()
+
+    @property
+    def step(self) -> str:
+        """The step that is shown."""
+        return self._step
+
+    @property
+    def editor(self) -> EditorController | None:
+        """What is at work on the page of the landmarks."""
+        return self._editor
+
+    def start(self, name: str = "") -> None:
+        """Show the first page, or go on with a profile."""
+        self._window.start.show_place(self._tools.profiles_folder(), self._tools.name_trouble)
+        self._window.start.show_profiles(self._tools.profiles_told())
+        self._window.show_step("start")
+        self._unlock()
+        if name:
+            self._open(name)
+
+    def stop(self) -> None:
+        """End all work; everything that was shot or corrected is kept."""
+        self._leave()
+        self.training.stop()
+        self._end_job()
+
+    def show(self, step: str, picture: str = "") -> None:
+        """Show a step that is unlocked.
+
+        Args:
+            step: A key of STEPS.
+            picture: The picture to look at first, on the page of the landmarks.
+        """
+        if not self._unlocked()[step]:
+            self._window.show_step(self._step)
+            return
+        self._leave()
+        self._step = step
+        self._window.show_step(step)
+        if self._book is not None:
+            self._enter(self._book, picture)
+        self._unlock()
+
+    # -- steps ---------------------------------------------------------------------------
+
+    def _connect(self) -> None:
+        window = self._window
+        window.step_chosen.connect(self.show)
+        window.next_button.clicked.connect(self._next)
+        window.closing.connect(self.stop)
+        window.start.chosen.connect(self._open)
+        self.capturing.changed.connect(self._unlock)
+        self.training.trained.connect(self._unlock)
+        self.training.picture_wanted.connect(lambda name: self.show("check", name))
+        self.training.live_wanted.connect(self._on_live)
+
+    def _open(self, name: str) -> None:
+        try:
+            self._book = self._tools.open_book(name)
+        except (CoreError, AppError) as error:
+            self._window.message_bar.tell(str(error))
+            return
+        self._window.message_bar.tell("")
+        self._window.setWindowTitle(f"{name} – setup – facepuppet")
+        self.show("capture")
+
+    def _enter(self, book: Workbook, picture: str) -> None:
+        if self._step == "capture":
+            self.capturing.start(book, self._source)
+        elif self._step == "check":
+            self._fit(book, picture)
+        elif self._step == "train":
+            self.training.show(book)
+
+    def _leave(self) -> None:
+        """End what the step shown is doing, except a training."""
+        if self._step == "capture":
+            self.capturing.stop()
+        elif self._step == "check":
+            self._end_job()
+            if self._editor is not None:
+                self._editor.stop()
+            self._editor = None
+            self._window.set_check_page(None)
+
+    def _next(self) -> None:
+        keys = list(STEPS)
+        self.show(keys[keys.index(self._step) + 1])
+
+    def _unlocked(self) -> dict[str, bool]:
+        n_pictures = len(self._book.names) if self._book is not None else 0
+        enough = n_pictures >= LEAST_PICTURES
+        return {
+            "start": True, "capture": self._book is not None, "check": enough, "train": enough,
+        }  # fmt: skip
+
+    def _unlock(self) -> None:
+        unlocked = self._unlocked()
+        self._window.show_unlocked(unlocked)
+        keys = list(STEPS)
+        place = keys.index(self._step) + 1
+        self._window.next_button.setEnabled(place < len(keys) and unlocked[keys[place]])
+
+    def _on_live(self) -> None:
+        if self._book is not None:
+            self.live_wanted.emit(self._book.folder.name)
+
+    # -- landmarks -----------------------------------------------------------------------
+
+    def _fit(self, book: Workbook, picture: str) -> None:
+        """Fit the face in the background, then show the editor."""
+        notice = Notice()
+        notice.say("Fitting a face to the pictures…")
+        self._window.set_check_page(notice)
+        self._job = Job(self._tools.first_fit(book), self)
+        self._job.returned.connect(lambda refitter: self._show_editor(book, refitter, picture))
+        self._job.failed.connect(lambda error: notice.say(str(error)))
+        self._job.start()
+
+    def _show_editor(self, book: Workbook, refitter: Refitter, picture: str) -> None:
+        if self._step != "check":
+            return
+        editor = EditorWindow(book.folder.name)
+        editor.retrain_button.setVisible(False)
+        self._window.set_check_page(editor)
+        self._editor = EditorController(editor, book, lambda: refitter, self._tools.train)
+        self._editor.start(picture)
+
+    def _end_job(self) -> None:
+        if self._job is not None:
+            self._job.cancel()
+            self._job.deleteLater()
+            self._job = None

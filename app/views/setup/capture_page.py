@@ -1,0 +1,109 @@
+"""The page that takes the setup pictures: oneself as in a mirror beside what is asked for."""
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QAction, QFont, QKeySequence
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QHBoxLayout,
+    QLabel,
+    QProgressBar,
+    QPushButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from app.views.chooser import Chooser
+from app.views.picture_view import PictureView
+from app.views.setup.contact_sheet import ContactSheet
+from app.views.setup.guide_view import GuideView
+
+#: Key of a wish -> text of its button, key, what it does.
+WISHES = {
+    "shoot": ("&Shoot now", "Space", "Take the picture now, whatever it shows"),
+    "retake": ("&Retake last", "Backspace", "Take the last picture again"),
+    "skip": ("S&kip", "S", "Leave this one out for now"),
+    "pause": ("&Pause", "P", "Take no pictures until you go on"),
+}
+
+
+class CapturePage(QWidget):
+    """Shows the prompt, the live picture and all prompts."""
+
+    wished = Signal(str)  # key of WISHES
+    source_chosen = Signal(str)
+    sources_wanted = Signal()
+    quick_wanted = Signal(bool)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.sources = Chooser("Camera")
+        self.live, self.target = GuideView("Live picture"), PictureView("What is asked for")
+        self.live.setMinimumSize(320, 240)
+        self.target.set_mirrored(True)
+        self.sheet = ContactSheet()
+        self.title, self.instruction = QLabel(), QLabel()
+        self.progress = QProgressBar()
+        self.progress.setAccessibleName("Pictures taken")
+        self.quick_box = QCheckBox("&Quick: 20 pictures now, the rest later")
+        self.buttons: dict[str, QPushButton] = {}
+        self.actions_by_key: dict[str, QAction] = {}
+        self._build()
+        self.sources.chosen.connect(self.source_chosen)
+        self.sources.list_wanted.connect(self.sources_wanted)
+        self.quick_box.toggled.connect(self.quick_wanted)
+
+    def show_prompt(self, title: str, instruction: str) -> None:
+        """Say what is asked for."""
+        self.title.setText(title)
+        self.instruction.setText(instruction)
+
+    def show_progress(self, taken: int, total: int) -> None:
+        """Say how many pictures are taken."""
+        self.progress.setRange(0, max(total, 1))
+        self.progress.setValue(taken)
+        self.progress.setFormat(f"{taken} of {total} pictures")
+
+    def show_paused(self, paused: bool) -> None:
+        """Say whether pictures are taken."""
+        self.buttons["pause"].setText("&Go on" if paused else "&Pause")
+
+    def _build(self) -> None:
+        large = QFont(self.font())
+        large.setPointSizeF(1.35 * large.pointSizeF())
+        large.setBold(True)
+        self.title.setFont(large)
+        self.instruction.setWordWrap(True)
+        self.instruction.setMinimumHeight(2 * self.fontMetrics().lineSpacing())
+        self.instruction.setAlignment(Qt.AlignmentFlag.AlignTop)
+        head = QHBoxLayout()
+        head.addWidget(self.title, stretch=1)
+        head.addWidget(QLabel("Camera"))
+        head.addWidget(self.sources)
+        views = QHBoxLayout()
+        views.addWidget(self.live, stretch=3)
+        views.addWidget(self.target, stretch=2)
+        foot = QHBoxLayout()
+        for key, (text, keys, meaning) in WISHES.items():
+            foot.addWidget(self._button(key, text, keys, meaning))
+        foot.addWidget(self.quick_box)
+        foot.addWidget(self.progress, stretch=1)
+        self.sheet.setFixedHeight(146)
+        layout = QVBoxLayout(self)
+        layout.addLayout(head)
+        layout.addWidget(self.instruction)
+        layout.addLayout(views, stretch=1)
+        layout.addLayout(foot)
+        layout.addWidget(self.sheet)
+
+    def _button(self, key: str, text: str, keys: str, meaning: str) -> QPushButton:
+        button = QPushButton(text)
+        button.setToolTip(f"{meaning} ({keys})")
+        # Space belongs to the shutter, wherever the focus is.
+        button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        action = QAction(self)
+        action.setShortcut(QKeySequence(keys))
+        action.triggered.connect(lambda: self.wished.emit(key))
+        button.clicked.connect(lambda: self.wished.emit(key))
+        self.addAction(action)
+        self.buttons[key], self.actions_by_key[key] = button, action
+        return button

@@ -1,0 +1,106 @@
+"""The guided setup: its steps on the left, the page of one of them beside."""
+
+from collections.abc import Mapping
+
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QCloseEvent
+from PySide6.QtWidgets import (
+    QHBoxLayout,
+    QListWidget,
+    QListWidgetItem,
+    QMainWindow,
+    QPushButton,
+    QStackedWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from app.views.message_bar import MessageBar
+from app.views.setup.capture_page import CapturePage
+from app.views.setup.start_page import StartPage
+from app.views.setup.train_page import TrainPage
+
+#: The steps in their order: key, what people read.
+STEPS = {
+    "start": "1  Profile", "capture": "2  Pictures", "check": "3  Landmarks",
+    "train": "4  Training",
+}  # fmt: skip
+
+
+class SetupWindow(QMainWindow):
+    """Steps unlock in order; one that was reached can be visited again."""
+
+    step_chosen = Signal(str)
+    closing = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setWindowTitle("Setup – facepuppet")
+        self.steps, self.pages = QListWidget(), QStackedWidget()
+        self.steps.setAccessibleName("Steps of the setup")
+        self.start, self.capture, self.train = StartPage(), CapturePage(), TrainPage()
+        self.check = QWidget()
+        QVBoxLayout(self.check).setContentsMargins(0, 0, 0, 0)
+        self.message_bar = MessageBar()
+        self.next_button = QPushButton("&Next")
+        self._build()
+
+    def sizeHint(self) -> QSize:
+        """Return a size for small laptop screens."""
+        return QSize(1240, 680)
+
+    def show_step(self, key: str) -> None:
+        """Show the page of a step."""
+        row = list(STEPS).index(key)
+        self.steps.blockSignals(True)
+        self.steps.setCurrentRow(row)
+        self.steps.blockSignals(False)
+        self.pages.setCurrentIndex(row)
+        self.next_button.setVisible(key in ("capture", "check"))
+
+    def show_unlocked(self, unlocked: Mapping[str, bool]) -> None:
+        """Say which steps can be visited."""
+        for row, key in enumerate(STEPS):
+            item = self.steps.item(row)
+            flags = item.flags()
+            enabled = Qt.ItemFlag.ItemIsEnabled
+            item.setFlags(flags | enabled if unlocked[key] else flags & ~enabled)
+
+    def set_check_page(self, page: QWidget | None) -> None:
+        """Put a widget into the page of the landmarks."""
+        layout = self.check.layout()
+        while layout is not None and layout.count():
+            taken = layout.takeAt(0)
+            widget = taken.widget() if taken is not None else None
+            if widget is not None:
+                widget.hide()
+                widget.deleteLater()
+        if page is not None and layout is not None:
+            layout.addWidget(page)
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Let everything end before the window goes."""
+        self.closing.emit()
+        super().closeEvent(event)
+
+    def _build(self) -> None:
+        for text in STEPS.values():
+            QListWidgetItem(text, self.steps)
+        self.steps.setFixedWidth(16 * self.fontMetrics().averageCharWidth())
+        self.steps.currentRowChanged.connect(self._on_row)
+        for page in (self.start, self.capture, self.check, self.train):
+            self.pages.addWidget(page)
+        side = QVBoxLayout()
+        side.addWidget(self.steps, stretch=1)
+        side.addWidget(self.next_button)
+        main = QVBoxLayout()
+        main.addWidget(self.message_bar)
+        main.addWidget(self.pages, stretch=1)
+        central = QWidget()
+        layout = QHBoxLayout(central)
+        layout.addLayout(side)
+        layout.addLayout(main, stretch=1)
+        self.setCentralWidget(central)
+
+    def _on_row(self, row: int) -> None:
+        self.step_chosen.emit(list(STEPS)[row])

@@ -1,0 +1,403 @@
+"""Facts about the guided setup, on real widgets with a camera and a face of our own."""
+
+from queue import SimpleQueue
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+
+from app.controllers import capture_tools
+from app.controllers.capturing import ORDER, QUICK, told
+from app.controllers.setup_wizard import SetupController
+from app.errors import AppError
+from app.report import report_html
+from app.views.setup.setup_window import STEPS, SetupWindow
+from app.workbook import Workbook, first_fit
+from core.capture_judge import Judgement, Taken
+from core.generations import ProfileUnwritableError
+from core.landmark_refit import Refitter
+from core.records import Progress
+from core.setup_plan import SHOTS
+from core.shot_match import Match
+from core.shutter import ShutterState
+from tests.app.live_fakes import CAMERA, FakeToolbox, make_state
+from tests.core.held_out_person import face_model, filmed, person
+
+SPACE, BACKSPACE = Qt.Key.Key_Space, Qt.Key.Key_Backspace
+BY_NAME = {shot.name: shot for shot in SHOTS}
+
+
+@pytest.fixture(scope="module")
+def people():
+    """Landmarks of somebody who follows each prompt that the network could see."""
+    seen = [shot for shot in SHOTS if abs(shot.yaw) < 1.2]
+    film = filmed(person(0), seen, np.random.default_rng(3), noise_px=0.3)
+    return dict(zip((shot.name for shot in seen), film.landmarks, strict=True))
+
+
+class FakeCaptureTracker:
+    """Judges as the test wants: takes a picture in each frame while `obeys`."""
+
+    def __init__(self, tools, judge):
+        self.tools, self.judge = tools, judge
+        self.taken, self.judged = SimpleQueue(), self
+
+    def take(self):
+        return self.last
+
+    def step(self, frame):
+        shot = self.judge._shot
+        turn = Match(np.deg2rad(self.tools.turn_deg), False, True, 1.0)
+        state = ShutterState("holding", 0.4, False)
+        self.last = Judgement(self.tools.advice, turn if shot else None, state, None)
+        if shot is not None and (self.tools.obeys or self.judge._now_wanted):
+            self.judge._now_wanted = False
+            if not self.judge._paused:
+                marks = self.tools.landmarks.get(shot.name)
+                self.taken.put(Taken(shot, frame, marks, dict(self.tools.quality)))
+                self.judge.ask(None)
+        return make_state(frame.time_s)
+
+    def reset(self):
+        pass
+
+
+class FakeTools(FakeToolbox):
+    def __init__(self, root, landmarks, cameras=(CAMERA,)):
+        super().__init__(cameras)
+        self.root, self.landmarks = root, landmarks
+        self.obeys, self.turn_deg, self.advice, self.quality = False, (0.0, 0.0, 0.0), "", {}
+        self.prompted, self.trained_with = [], []
+
+    def prompt(self, name):
+        self.prompted.append(name)
+
+    def profiles_folder(self):
+        return str(self.root)
+
+    def profiles_told(self):
+        return [(path.name, "some pictures") for path in sorted(self.root.iterdir())]
+
+    def open_book(self, name):
+        return Workbook(self.root / name, lambda rgb: None)
+
+    def first_fit(self, book):
+        camera, user = yield from first_fit(face_model(), book)
+        return Refitter(face_model(), user, camera)
+
+    def train(self, book):
+        self.trained_with.append(book.names)
+        yield Progress(1, 2, "Calibrating", {"focal_px": 600.0, "error": 2.0})
+        return "Trained."
+
+
+@pytest.fixture
+def setup(qtbot, tmp_path, people, monkeypatch):
+    return open_setup(qtbot, tmp_path / "profiles", people, monkeypatch)
+
+
+def open_setup(qtbot, root, people, monkeypatch, cameras=(CAMERA,)):
+    root.mkdir(exist_ok=True)
+    tools = FakeTools(root, people, cameras)
+    monkeypatch.setattr(
+        capture_tools, "CaptureTracker",
+        lambda tracker, rivals, judge: FakeCaptureTracker(tools, judge),
+    )  # fmt: skip
+    tools.capture_tracker = lambda: (None, None)
+    window = SetupWindow()
+    qtbot.addWidget(window)
+    controller = SetupController(window, tools)
+    window.resize(1280, 720)
+    window.show()
+    controller.start()
+    found = SimpleNamespace(window=window, controller=controller, tools=tools, root=root)
+    return found
+
+
+def begin(qtbot, setup, name="me"):
+    setup.window.start.name.setText(name)
+    setup.window.start.begin_button.click()
+    page = setup.window.capture
+    qtbot.waitUntil(lambda: page.live._image is not None, timeout=5000)
+    return page
+
+
+def shoot(qtbot, setup, count):
+    setup.tools.obeys = True
+    qtbot.waitUntil(
+        lambda: sum(s != "missing" for s in setup.window.capture.sheet.states().values()) >= count,
+        timeout=20000,
+    )
+    setup.tools.obeys = False
+
+
+def close(setup):
+    setup.window.close()
+
+
+def test_a_name_is_needed_and_wrong_ones_are_explained(setup):
+    start = setup.window.start
+    assert not start.begin_button.isEnabled()
+    start.name.setText("a?b")
+    assert not start.begin_button.isEnabled() and "'?'" in start.remark.text()
+    start.name.setText("me")
+    assert start.begin_button.isEnabled() and start.remark.text() == ""
+    assert str(setup.root) in start.text.text()
+
+
+def test_steps_unlock_in_order(qtbot, setup):
+    window = setup.window
+    enabled = [bool(window.steps.item(n).flags() & Qt.ItemFlag.ItemIsEnabled) for n in range(4)]
+    assert enabled == [True, False, False, False]
+    begin(qtbot, setup)
+    assert setup.controller.step == "capture" and not window.next_button.isEnabled()
+    setup.controller.show("train")
+    assert setup.controller.step == "capture"
+    shoot(qtbot, setup, 10)
+    assert window.next_button.isEnabled()
+    close(setup)
+
+
+def test_the_first_prompt_is_the_front_and_profiles_come_after_smaller_turns():
+    names = [shot.name for shot in ORDER]
+    assert names[0] == "pose_yaw+0" and len(set(names)) == 60
+    assert names.index("pose_yaw-30") < names.index("pose_yaw-90")
+    assert names.index("pose_roll+30") < names.index("smile_yaw+0")
+    assert len(QUICK) == 20 and set(QUICK) <= set(names)
+
+
+def test_prompts_are_told_in_short_and_in_full():
+    assert told(BY_NAME["pose_yaw-90"])[0] == "Turn your head 90° to your right"
+    title, more = told(BY_NAME["smile_yaw+30"])
+    assert title == "Smile broadly with your lips closed"
+    assert more == "Meanwhile, turn your head 30° to your left."
+
+
+def test_what_was_taken_is_kept_and_the_next_prompt_asked(qtbot, setup):
+    page = begin(qtbot, setup)
+    assert setup.tools.prompted == ["pose_yaw+0"]
+    shoot(qtbot, setup, 3)
+    names = Workbook(setup.root / "me", lambda rgb: None).names
+    assert {shot.name for shot in ORDER[:3]} <= set(names)
+    assert page.sheet.states()["pose_yaw+0"] == "good"
+    assert page.progress.value() >= 3 and "of 60" in page.progress.format()
+    close(setup)
+
+
+def test_a_setup_that_was_closed_goes_on_where_it_stopped(qtbot, setup, people, monkeypatch):
+    begin(qtbot, setup)
+    shoot(qtbot, setup, 4)
+    close(setup)
+    qtbot.waitUntil(lambda: not setup.tools.open_now, timeout=5000)
+    taken = len(Workbook(setup.root / "me", lambda rgb: None).names)
+    again = open_setup(qtbot, setup.root, people, monkeypatch)
+    assert again.window.start.profiles.count() == 1
+    begin(qtbot, again)
+    assert again.controller.capturing.shot.name == ORDER[taken].name
+    close(again)
+
+
+def test_the_keys_shoot_skip_pause_and_retake(qtbot, setup):
+    page = begin(qtbot, setup)
+    capturing = setup.controller.capturing
+    QTest.keyClick(setup.window, Qt.Key.Key_S)
+    assert capturing.shot.name == ORDER[1].name
+    QTest.keyClick(setup.window, SPACE)
+    qtbot.waitUntil(lambda: page.sheet.states()[ORDER[1].name] == "good", timeout=5000)
+    assert capturing.shot.name == ORDER[2].name
+    QTest.keyClick(setup.window, BACKSPACE)
+    assert capturing.shot.name == ORDER[1].name
+    QTest.keyClick(setup.window, Qt.Key.Key_P)
+    setup.tools.obeys = True
+    qtbot.wait(150)
+    assert page.sheet.states()[ORDER[2].name] == "missing"
+    assert "Paused" in page.live.guide.advice and page.buttons["pause"].text() == "&Go on"
+    setup.tools.obeys = False
+    close(setup)
+
+
+def test_a_click_on_a_cell_takes_that_picture_again(qtbot, setup):
+    page = begin(qtbot, setup)
+    name = "grin_yaw+0"
+    row = [shot.name for shot in ORDER].index(name)
+    page.sheet.itemClicked.emit(page.sheet.item(row))
+    assert setup.controller.capturing.shot.name == name
+    close(setup)
+
+
+def test_a_weak_picture_says_why(qtbot, setup):
+    page = begin(qtbot, setup)
+    setup.tools.quality = {"trouble": "dark"}
+    shoot(qtbot, setup, 1)
+    assert page.sheet.states()["pose_yaw+0"] == "weak"
+    assert "dark" in page.sheet.item(0).toolTip()
+    close(setup)
+
+
+def test_the_quick_subset_leaves_the_rest_for_later(qtbot, setup):
+    page = begin(qtbot, setup)
+    page.quick_box.setChecked(True)
+    shoot(qtbot, setup, 20)
+    qtbot.waitUntil(lambda: setup.controller.capturing.shot is None, timeout=5000)
+    states = page.sheet.states()
+    assert {name for name, state in states.items() if state != "missing"} == set(QUICK)
+    assert page.title.text() == "All pictures are taken"
+    page.quick_box.setChecked(False)
+    assert setup.controller.capturing.shot is not None
+    close(setup)
+
+
+def test_arrows_say_which_way_to_turn_in_the_mirror(qtbot, setup):
+    page = begin(qtbot, setup)
+    for turn in ((30.0, 0, 0), (-30.0, 0, 0), (0, 20.0, 0), (0, 0, 20.0)):
+        setup.tools.turn_deg = turn
+        qtbot.waitUntil(
+            lambda turn=turn: (page.live.guide.yaw_deg, page.live.guide.pitch_deg,
+                               page.live.guide.roll_deg) == pytest.approx(turn),
+            timeout=5000,
+        )  # fmt: skip
+        image = page.live.grab().toImage()
+        area = page.live.picture_rect()
+        yellow = [
+            (x, y) for x in range(0, image.width(), 3) for y in range(0, image.height(), 3)
+            if image.pixelColor(x, y).getRgb()[:3] == (255, 220, 80)
+        ]  # fmt: skip
+        x, y = np.mean(yellow, axis=0) - [area.center().x(), area.center().y()]
+        assert (x < 0) == (turn[0] > 0 or turn[2] > 0) if turn[0] or turn[2] else y < 0
+    close(setup)
+
+
+def test_advice_is_shown_in_words(qtbot, setup):
+    page = begin(qtbot, setup)
+    setup.tools.advice = "dark"
+    qtbot.waitUntil(lambda: "too dark" in page.live.guide.advice, timeout=5000)
+    close(setup)
+
+
+def test_a_camera_that_is_lost_is_told_and_comes_back(qtbot, setup):
+    page = begin(qtbot, setup)
+    shoot(qtbot, setup, 2)
+    kept = sum(state != "missing" for state in page.sheet.states().values())
+    setup.tools.read_error = AppError("the camera was unplugged")
+    qtbot.waitUntil(lambda: "unplugged" in page.live.guide.advice, timeout=5000)
+    setup.tools.read_error = None
+    page.source_chosen.emit(CAMERA)
+    qtbot.waitUntil(lambda: page.live._image is not None, timeout=5000)
+    assert sum(state != "missing" for state in page.sheet.states().values()) >= kept
+    shoot(qtbot, setup, kept + 3)
+    close(setup)
+
+
+def test_without_a_camera_the_performer_is_offered(qtbot, tmp_path, people, monkeypatch):
+    setup = open_setup(qtbot, tmp_path / "p", people, monkeypatch, cameras=())
+    setup.window.start.name.setText("me")
+    setup.window.start.begin_button.click()
+    page = setup.window.capture
+    assert "No camera" in page.live.guide.advice
+    assert "performer" in page.sources.itemText(0)
+    close(setup)
+
+
+def test_a_full_disk_is_told_and_the_prompt_stays(qtbot, setup, monkeypatch):
+    page = begin(qtbot, setup)
+
+    def full(*_):
+        raise ProfileUnwritableError(setup.root, "no space left on device")
+
+    monkeypatch.setattr(Workbook, "put", full)
+    told_texts = []
+    show = page.live.show_guide
+    monkeypatch.setattr(
+        page.live, "show_guide", lambda guide: (told_texts.append(guide.advice), show(guide))
+    )
+    QTest.keyClick(setup.window, SPACE)
+    qtbot.waitUntil(lambda: any("no space" in text for text in told_texts), timeout=5000)
+    assert page.sheet.states()["pose_yaw+0"] == "missing"
+    close(setup)
+
+
+def test_landmarks_can_be_put_right_before_the_training(qtbot, setup):
+    begin(qtbot, setup)
+    shoot(qtbot, setup, 10)
+    setup.window.next_button.click()
+    qtbot.waitUntil(lambda: setup.controller.editor is not None, timeout=10000)
+    assert setup.controller.step == "check" and not setup.tools.open_now
+    name = setup.controller.editor.name
+    QTest.keyClick(setup.window, Qt.Key.Key_K)
+    editor = setup.controller.editor
+    assert editor.selected == {0}
+    QTest.keyClick(setup.window.check.layout().itemAt(0).widget().canvas, Qt.Key.Key_Left)
+    assert Workbook(setup.root / "me", lambda rgb: None).landmarks(name).edited[0]
+    close(setup)
+
+
+def test_training_begins_with_all_pictures_and_plots_the_focal_length(qtbot, setup):
+    begin(qtbot, setup)
+    shoot(qtbot, setup, 12)
+    setup.controller.show("train")
+    page = setup.window.train
+    assert page.train_button.isEnabled() and not page.live_button.isEnabled()
+    with qtbot.waitSignal(setup.controller.training.trained, timeout=5000):
+        page.train_button.click()
+    qtbot.waitUntil(lambda: page.job_row.isHidden(), timeout=5000)
+    assert len(setup.tools.trained_with[0]) >= 12
+    assert page._curve.getData()[0].tolist() == [600.0]
+    close(setup)
+
+
+def test_too_few_pictures_cannot_be_trained(qtbot, setup):
+    page = begin(qtbot, setup)
+    QTest.keyClick(setup.window, SPACE)
+    qtbot.waitUntil(lambda: page.sheet.states()["pose_yaw+0"] == "good", timeout=5000)
+    assert list(STEPS)[3] == "train"
+    assert not setup.window.steps.item(3).flags() & Qt.ItemFlag.ItemIsEnabled
+    close(setup)
+
+
+REPORT = {
+    "pictures": 60, "left_out": ["smile_yaw+0"], "focal_px": 612.0, "focal_source": "found",
+    "picture_names": [f"p{n}" for n in range(60)],
+    "held_out": {
+        "mean_rmse_px": 0.66, "mean_percent_of_eye_distance": 0.47,
+        "share_under_px": {"3": 0.98, "4.5": 1.0, "6": 1.0},
+        "mean_turn_deg": {"yaw": 0.4, "pitch": 0.5, "roll": 0.2},
+        "by_yaw": {"0-15 deg": {"tries": 60, "median_rmse_px": 0.63}},
+        "worst_pictures": [{"picture": 57, "mean_rmse_px": 0.85}],
+    },
+}  # fmt: skip
+
+
+def test_the_report_says_how_good_it_is_beside_the_paper():
+    html = report_html("me & <you>", REPORT)
+    assert "me &amp; &lt;you&gt;" in html
+    for text in ("60 pictures", "98.0 %", "73.3 %", "0.66 px", "smile_yaw+0", "href='p57'"):
+        assert text in html
+    assert report_html("me", REPORT, whole=True).startswith("<!doctype html>")
+
+
+def test_a_report_without_a_test_is_shown_as_far_as_it_goes():
+    assert "12 pictures" in report_html("me", {"pictures": 12})
+
+
+def test_a_picture_of_the_report_opens_in_the_editor(qtbot, setup):
+    begin(qtbot, setup)
+    shoot(qtbot, setup, 10)
+    setup.controller.show("train")
+    name = ORDER[2].name
+    setup.controller.training.picture_wanted.emit(name)
+    qtbot.waitUntil(lambda: setup.controller.editor is not None, timeout=10000)
+    assert setup.controller.editor.name == name
+    close(setup)
+
+
+def test_every_control_has_a_name(setup):
+    page = setup.window.capture
+    for widget in (page.live, page.target, page.sheet, page.sources, page.progress):
+        assert widget.accessibleName()
+    assert all(button.text() for button in page.buttons.values())
+
+
+def test_target_is_mirrored_like_the_live_picture(setup):
+    assert setup.window.capture.live._mirrored and setup.window.capture.target._mirrored
