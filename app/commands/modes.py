@@ -78,7 +78,7 @@ class Way:
             return auto_tracker(models, profile, looking)
         user = None if profile is None else profile.user
         tracker = free_tracker(models, self._camera(source), looking, user)
-        if not source.live:
+        if user is None and not source.live:
             learn(tracker, name)
         return tracker
 

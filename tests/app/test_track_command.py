@@ -3,10 +3,14 @@ import signal
 import numpy as np
 import pytest
 
+from app.commands import modes
 from app.commands.evaluate import evaluate, report_text
+from app.commands.modes import FREE, LEARNING_S, TRAINED, Way, learn, way_of
 from app.commands.track import interrupt_ends, track
+from app.main import build_parser, main
 from app.recording.outputs import Outputs
 from core.camera import camera_for
+from core.free_live import UNKNOWN_CAMERA, mean_user
 from core.records import FaceState, Frame
 
 
@@ -136,3 +140,92 @@ def test_evaluation_compares_at_640_px_and_counts_lost_frames_as_misses():
     assert report["share_under_px"] == {"3": 0.0, "4.5": 0.0, "6": pytest.approx(3 / 5)}
     text = report_text(report)
     assert "6 px    60.0 %" in text and "median 5.00 px" in text
+
+
+def asked(*arguments):
+    return build_parser().parse_args(["track", *arguments])
+
+
+def test_without_a_profile_nothing_is_trained_and_with_one_it_is(monkeypatch):
+    way = way_of(asked("clip.mp4"))
+    assert (way.mode, way.profile, way.focal_px, way.detection) == (FREE, None, None, None)
+    monkeypatch.setattr(modes, "profile_folder", lambda name: name)
+    monkeypatch.setattr("core.store.load", lambda folder: f"profile {folder}")
+    way = way_of(asked("anna", "clip.mp4"))
+    assert (way.mode, way.profile) == (TRAINED, "profile anna")
+    way = way_of(asked("--mode", "free", "--detection", "5", "anna", "clip.mp4"))
+    assert (way.mode, way.profile, way.detection) == (FREE, "profile anna", 5)
+
+
+class Learning:
+    """A tracker that counts what it saw."""
+
+    def __init__(self):
+        self.seen, self.resets = 0, 0
+
+    def step(self, frame):
+        self.seen += 1
+
+    def reset(self):
+        self.resets += 1
+
+
+class Recorded(Playing):
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+
+@pytest.mark.parametrize("n_frames", [30, 500])
+def test_a_face_is_learned_from_the_beginning_of_a_recording(monkeypatch, n_frames):
+    monkeypatch.setattr(modes, "open_source", lambda name: Recorded(n_frames))
+    tracker = Learning()
+    learn(tracker, "clip.mp4")
+    assert tracker.seen == min(n_frames, LEARNING_S * 25) and tracker.resets == 1
+
+
+class Shipped:
+    def __init__(self, model):
+        self.face_model, self.aligner, self.prior = model, None, None
+
+
+class Known:
+    """What of a profile the training-free mode uses."""
+
+    def __init__(self, model):
+        self.camera, self.user = camera_for((400, 300), 390.0), mean_user(model)
+
+
+def test_the_camera_of_the_free_mode_is_given_or_of_the_profile_or_guessed():
+    from app.resources import asset
+    from core.face_model import load_face_model
+
+    models = Shipped(load_face_model(asset("face_model.npz")))
+    camera = Playing(0, live=True)
+    focal_px = {
+        name: Way(FREE, profile, given, None).tracker(models, camera, "camera").camera.focal_px
+        for name, profile, given in (
+            ("given", Known(models.face_model), 77.0),
+            ("profile", Known(models.face_model), None),
+            ("guessed", None, None),
+        )
+    }
+    assert focal_px == {"given": 77.0, "profile": 390.0, "guessed": UNKNOWN_CAMERA.focal_px}
+
+
+@pytest.mark.slow
+def test_a_real_clip_is_tracked_without_a_profile(clips, tmp_path, capsys):
+    out = tmp_path / "free.npz"
+    clip = clips / "person_a_2.mp4"
+    assert main(["track", str(clip), "--out", str(out), "--frames", "60"]) == 0
+    assert "60 frames, 0 without a face" in capsys.readouterr().out
+    with np.load(out) as found:
+        assert found["mode"] == "free" and not found["lost"].any()
+        assert found["expression"].min() >= 0 and found["expression"].max() <= 1
+        # 400 px wide; the profile of this person finds 398 px.
+        assert found["focal_px"] == pytest.approx(400, rel=0.15)
+        assert np.all(found["confidence"] > 0.5)
+        moved = np.diff(found["rotation_wxyz"], axis=0)
+        assert np.abs(moved).max() < 0.03
