@@ -11,6 +11,7 @@ A study has HELP, `add_options(parser)` and `run(args, models)`, a generator tha
 | `conditions` | glasses, beard, hair, a hand, dim light, one-sided faces; real films |
 | `still` | how much the track of a still face shakes |
 | `film` | what the landmark network sees of a film, once for all trackers |
+| `solving` | the solvers alone, on what was seen |
 | `measures` | errors of pose, landmarks and coefficients |
 | `bu_format` | the files of the Boston University database |
 | `report` | tables as text and as JSON |
