@@ -1,14 +1,20 @@
 """Weights and constants of the training-free solvers [FaceIt19, sec. 4], and what stands for them.
 
-Where the paper's formulas cannot be used as they are printed:
+Where the paper's formulas cannot be used as they are printed (figures: performers' takes solved
+with a face fitted to them, tests/benchmarks/energy_solvers.py):
 
-* Eq. 12's walls are 2e-5 wide: next to them the energy is flat, and a step that meets one is
-  refused whole. `widened` has the same form with walls that a derivative can feel, and `box`
-  bounds the coefficients instead. Eq. 12 is also not 0 in range but 0.03; nothing depends on it.
-* Eq. 9 adds rad^2 and mm^2. Here rotation and translation have a weight each. It is one sum, not
-  one of eta equal ones.
+* Eq. 12 is 0.03 in range and 2.5 outside, with walls 2e-5 wide between: beyond a wall nothing
+  pulls back, and one coefficient that meets it refuses the step of all. Begun anew in each
+  frame, a third of the 15 steps are refused, and coefficients above 0.3 are off by 0.26-0.28
+  where plain bounds give 0.23; up to 0.02 of a coefficient stays out of range. A larger weight
+  stops that, but an arctangent has long tails: they push resting coefficients up (error 0.006 ->
+  0.013 at weight 100, 0.08 at 1e4), and so do wider walls (0.05 at 1e-3, 0.12 at 1e-2). We bound
+  the coefficients instead: `box`. What is printed is kept for comparison.
+* Eq. 9 adds rad^2 and mm^2. One weight that steadies the rotation (1e4) holds the translation
+  back until the head is off by 2.8 degrees in motion; a weight each gives 0.3. It is one sum,
+  not eta equal ones. Where a turn ends its prediction overshoots, more so with more weight.
 * Eq. 10 has no pose: we project with the one just found.
-* Eq. 11 has no derivative at 0; there it is smoothed over a thousandth.
+* Eq. 11 has no derivative at 0: there it is smoothed over a thousandth.
 * The weights of eq. 5-7 are not printed; energies here are in px^2 of a face of the usual size.
 """
 
