@@ -7,6 +7,7 @@ from core.face_model import FaceModel, eye_centers_mm, shape_vertices
 from core.free_live import UNKNOWN_CAMERA, FreeSettings, FreeTracker, mean_user
 from core.geometry import matrix_from_head_angles
 from core.landmark_flow import Followed
+from core.landmarks import N_INTERNAL
 from core.quick_identity import QuickSettings
 from core.records import FloatArray, Frame, Landmarks2D
 
@@ -34,11 +35,12 @@ class _Turning:
 
 
 def _landmarks(points_mm: FloatArray, yaw_rad: float) -> Landmarks2D:
-    """Return what the camera sees of shape points (77, 3) turned by an angle."""
+    """Return what the camera sees of shape points (77, 3) turned by an angle; no outline."""
     rotation = matrix_from_head_angles(yaw_rad, 0.1 * yaw_rad, 0.0)
     seen = project(UNKNOWN_CAMERA, points_mm @ rotation.T + [0, 0, 600.0])
     n = len(seen) - 2
-    return Landmarks2D(seen[:n], np.zeros(n, bool), np.ones(n), seen[n:], np.ones(2))
+    sure = np.where(np.arange(n) < N_INTERNAL, 1.0, 0.0)
+    return Landmarks2D(seen[:n], np.zeros(n, bool), sure, seen[n:], np.ones(2))
 
 
 def warm_up(model: FaceModel) -> None:
