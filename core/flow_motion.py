@@ -33,6 +33,14 @@ _REACH = 0.15
 #: What the neighbours' own motion counts against standing still on the face.
 _CALM = 0.3
 
+#: Fast motion leaves half of the points a trust of 0.2 or more, and the face's shape within 0.15
+#: of what it was the frame before; beyond these nothing was followed.
+_LEAST_TRUST = 0.1
+_MOST_STRETCH = 0.3
+#: Change of brightness that is none, and the places at which it is measured.
+_SAME_LIGHT = 0.05
+_LIGHT_CELLS = (12, 12)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
@@ -62,7 +70,7 @@ def follow_points(
         depth_px: (P,) away from the camera.
 
     Returns:
-        None where too little of the face is in the picture.
+        None where too little of the face is in the picture, or flow has lost it: in a cut, say.
     """
     window = _window(before.shape, points_px)
     if window is None:
@@ -70,15 +78,18 @@ def follow_points(
     low, high, shrink = window
     size_px = face_size_px(points_px)
     start = ((points_px + 0.5 - low) / shrink - 0.5).astype(np.float32)
-    end, way = _there_and_back(
-        _cut(before, low, high, shrink), _cut(after, low, high, shrink), start
-    )
+    small = _cut(before, low, high, shrink)
+    end, way = _there_and_back(small, _like(_cut(after, low, high, shrink), small), start)
     trust = 1 / (1 + (way * shrink / (_RETURN_ERROR * size_px)) ** 2)
     moved = np.where(trust[:, None] > 0, (end + 0.5) * shrink + low - 0.5, points_px)
     moved = moved.astype(np.float64)
     camera = np.empty((2, 4))
+    if np.median(trust) < _LEAST_TRUST:
+        return None
     limits = np.array([size_px, _REACH, _ODD_MOTION, _CALM])
     agree(np.column_stack([points_px, depth_px]), _RELATED, limits, camera, moved, trust)
+    if np.abs(camera[:, :2] - np.eye(2)).max() > _MOST_STRETCH:
+        return None
     return Motion(moved, trust, camera)
 
 
@@ -128,6 +139,21 @@ def _cut(picture: U8, low: FloatArray, high: FloatArray, shrink: int) -> U8:
         return np.ascontiguousarray(part)
     size = ((right - left) // shrink, (bottom - top) // shrink)
     return np.asarray(cv2.resize(part, size, interpolation=cv2.INTER_AREA))
+
+
+def _like(picture: U8, other: U8) -> U8:
+    """Return a picture in the light of another: flow takes brightness for a mark on the skin.
+
+    The median of many places leaves out what a hand covers.
+    """
+    dark, bright = (
+        cv2.resize(one, _LIGHT_CELLS, interpolation=cv2.INTER_AREA).astype(np.float32) + 1.0
+        for one in (picture, other)
+    )
+    gain = float(np.median(bright / dark))
+    if abs(gain - 1) < _SAME_LIGHT:
+        return picture
+    return np.asarray(cv2.convertScaleAbs(picture, alpha=gain))
 
 
 def _there_and_back(before: U8, after: U8, start: F32) -> tuple[F32, FloatArray]:

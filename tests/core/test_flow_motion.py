@@ -76,11 +76,19 @@ def test_a_point_that_cannot_be_followed_goes_with_its_neighbours(picture, face)
     np.testing.assert_allclose(motion.points_px[lost], face[0][lost] + [5, 2], atol=1.0)
 
 
-def test_nothing_to_see_is_not_trusted_and_stands_still(face):
+@pytest.mark.parametrize("gain", [0.5, 0.8, 1.2])
+def test_a_change_of_light_is_no_motion(picture, face, gain):
+    dim = (0.5 * picture + 40).astype(np.uint8)
+    after = warped((gain * dim).clip(0, 255).astype(np.uint8), np.array([[1, 0, 3.0], [0, 1, 1.0]]))
+    motion = follow_points(dim, after, *face)
+    assert np.abs(motion.points_px - face[0] - [3, 1]).max() < 0.3
+    assert motion.trust.min() > 0.5
+
+
+def test_nothing_to_see_and_a_cut_are_not_followed(rng, picture, face):
     flat = np.full((240, 320), 90, np.uint8)
-    motion = follow_points(flat, flat, *face)
-    assert motion.trust.max() == 0
-    np.testing.assert_allclose(motion.points_px, face[0], atol=1e-6)
+    assert follow_points(flat, flat, *face) is None
+    assert follow_points(picture, texture(rng), *face) is None
 
 
 def test_a_face_outside_the_picture_or_not_finite_is_not_followed(picture, face):

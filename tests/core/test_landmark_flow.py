@@ -4,7 +4,6 @@ import cv2
 import numpy as np
 import pytest
 
-from core.aligner_bias import load_aligner_bias
 from core.alignment import FaceAligner
 from core.detection_policy import PolicySettings
 from core.landmark_flow import FlowSettings, LandmarkFollower
@@ -259,8 +258,7 @@ def test_a_long_search_for_a_face_does_not_starve_it_once_found():
 
 @pytest.fixture(scope="module")
 def real_aligner():
-    folder = Path(__file__).resolve().parents[2] / "assets" / "aligner"
-    return FaceAligner(folder, load_aligner_bias(folder / "bias.npz"))
+    return FaceAligner(Path(__file__).resolve().parents[2] / "assets" / "aligner")
 
 
 @pytest.mark.slow
