@@ -18,7 +18,7 @@ from core.kernels.starts import (
     turned_distances,
 )
 from core.records import U8, Camera, FloatArray, Shape3D
-from core.shape_space import pairwise_rotations
+from core.shape_space import distinct, pairwise_rotations
 
 __all__ = ["FernRegressor", "Regression", "RegressionSettings"]
 
@@ -91,9 +91,7 @@ class Regression:
         regressor, n_runs = self._regressor, self._settings.n_runs
         n_shapes, n_points, _ = regressor.shapes_mm.shape
         lanes = -(-n_runs // LANES) * LANES
-        self._rotations = pairwise_rotations(regressor.shapes_mm)
-        if not self._settings.same_pose:
-            self._rotations[:] = np.eye(3)
+        self._choose_originals()
         self._steps = n_points * np.sum(regressor.translations_mm**2, axis=1)
         self._check_reader = AppearanceReader(n_points, regressor.check_points(), 1)
         self._shapes = np.empty((lanes, n_points, 3), np.float32)
@@ -103,12 +101,24 @@ class Regression:
         self._centred, self._turned = np.empty((n_points, 3)), np.empty((n_points, 3))
         self._scratch, self._turn = np.empty((3, 4, 4)), np.empty((3, 3))
         self._distances = np.empty(n_shapes)
+        self._start_distances = np.empty(len(self._originals))
         self._chosen = np.zeros((n_runs, 2), np.int32)
         self._values = np.empty(n_runs)
         self._ferns = _fern_room(regressor, n_runs, lanes)
         self._result = np.empty((n_points, 3))
         self._difference = np.empty(len(regressor.check_mean), np.float32)
         self._inside = np.empty(len(regressor.check_basis), np.float32)
+
+    def _choose_originals(self) -> None:
+        """Keep the originals of starts, and how they are turned for each nearest shape."""
+        shapes = self._regressor.shapes_mm
+        rotations = pairwise_rotations(shapes)
+        # Turned alike, pictures of a head turned further would start from the same shape twice.
+        kept = distinct(shapes, rotations) if self._settings.same_pose else np.arange(len(shapes))
+        self._originals = np.ascontiguousarray(shapes[kept])
+        self._rotations = np.ascontiguousarray(rotations[:, kept])
+        if not self._settings.same_pose:
+            self._rotations[:] = np.eye(3)
 
     def run(self, gray: U8, previous_points_mm: FloatArray) -> Shape3D:
         """Return the shape of this frame.
@@ -169,11 +179,13 @@ class Regression:
         squared_distances(self._centred, shapes, self._distances)
         nearest = self._distances.argmin()
         align_rotation(self._centred, shapes[nearest], self._scratch, self._rotation)
-        rotations = self._rotations[nearest]
+        rotations, distances = self._rotations[nearest], self._start_distances
         turn_shape(self._centred, self._rotation, self._turned)
-        turned_distances(self._turned, shapes, rotations, self._distances)
-        choose_starts(self._distances, self._steps, self._chosen, self._values)
-        place_starts(shapes, rotations, self._regressor.translations_mm, self._chosen, self._shapes)
+        turned_distances(self._turned, self._originals, rotations, distances)
+        choose_starts(distances, self._steps, self._chosen, self._values)
+        place_starts(
+            self._originals, rotations, self._regressor.translations_mm, self._chosen, self._shapes
+        )
         return self._regress(gray, self._settings.n_runs)
 
     def _regress(self, gray: U8, n_runs: int) -> float:

@@ -27,7 +27,6 @@ class TrainingSetSettings:
         turn_rad: Standard deviation of the rotation of a guess about each axis. Not in the
             paper; widens the range of head rotations from which the regressor recovers.
         turning: Which pictures are also used with the head turned further.
-        n_turned_guesses: H of those.
         augmentation: How strongly the grey levels are disturbed.
     """
 
@@ -38,7 +37,6 @@ class TrainingSetSettings:
     same_pose: bool = True
     turn_rad: float = 0.07
     turning: TurnSettings = field(default_factory=TurnSettings)
-    n_turned_guesses: int = 1
     augmentation: AugmentationSettings = field(default_factory=AugmentationSettings)
 
 
@@ -186,7 +184,7 @@ def _draw_guesses(
             indexing="ij",
         )
     )
-    quota = np.where(image < n_given, settings.n_guesses, settings.n_turned_guesses)
+    quota = np.where(image < n_given, settings.n_guesses, settings.turning.n_guesses)
     chosen = rng.permuted(np.tile(np.arange(len(moves)), (len(image), 1)), axis=1)
     taken = np.arange(len(moves)) < quota[:, None]
     image, move, source = (np.repeat(a, taken.sum(axis=1)) for a in (image, move, source))
@@ -195,15 +193,16 @@ def _draw_guesses(
     if settings.same_pose:
         rotations = pairwise_rotations(points_mm)[image, like]
         posed = posed @ rotations.swapaxes(1, 2)
-    turned = _turn(posed, settings.turn_rad, rng)
+    turn_rad = np.where(image < n_given, settings.turn_rad, settings.turning.guess_turn_rad)
+    turned = _turn(posed, turn_rad, rng)
     guess = turned + (center[image] + moves[chosen[taken]])[:, None]
     # The trainer takes any run of samples for a fair part of all.
     order = rng.permutation(len(image))
     return image[order].astype(np.int32), move[order], guess[order].astype(np.float32)
 
 
-def _turn(centred_mm: FloatArray, turn_rad: float, rng: np.random.Generator) -> FloatArray:
-    """Return shapes (S, Q, 3) turned about their centroids by small random rotations."""
-    half_angles = rng.normal(0, turn_rad / 2, (len(centred_mm), 3))
+def _turn(centred_mm: FloatArray, turn_rad: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Return shapes (S, Q, 3) turned about their centroids by random rotations of (S,) rad."""
+    half_angles = rng.normal(0, 1, (len(centred_mm), 3)) * turn_rad[:, None] / 2
     rotations = matrix_from_quaternion(np.insert(half_angles, 0, 1.0, axis=1))
     return np.asarray(centred_mm @ rotations.swapaxes(1, 2))

@@ -29,11 +29,17 @@ class TurnSettings:
         further_deg: One more picture for each of these angles; none: the paper.
         from_deg: Angle between face and line of sight from which a picture is used.
         limit_deg: No face is turned beyond this angle.
+        n_guesses: H of these pictures, fewer than of those that were taken.
+        guess_turn_rad: Standard deviation of the rotation of a guess about each axis. Larger than
+            for other pictures: with little to look at, a regressor that knows only small errors
+            lets a turned head slip back towards the poses that it knows well.
     """
 
-    further_deg: tuple[float, ...] = (12.0, 24.0)
+    further_deg: tuple[float, ...] = (12.0, 24.0, 36.0)
     from_deg: float = 20.0
-    limit_deg: float = 62.0
+    limit_deg: float = 72.0
+    n_guesses: int = 2
+    guess_turn_rad: float = 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)

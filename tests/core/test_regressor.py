@@ -21,7 +21,7 @@ from core.kernels.starts import (
     turned_distances,
 )
 from core.regressor import Regression, RegressionSettings
-from core.shape_space import pairwise_rotations
+from core.shape_space import distinct, pairwise_rotations
 from tests import naive
 from tests.synthetic_face import N_POINTS, small_world
 
@@ -147,6 +147,23 @@ def test_pairwise_rotations_agree_with_registration(world):
     for i, target in enumerate(shapes):
         for j, source in enumerate(shapes):
             assert np.allclose(rotations[i, j], register_rigid(source, target)[0], atol=1e-9)
+
+
+def test_shapes_that_are_others_turned_are_not_distinct(world):
+    shapes = world.regressor.shapes_mm[:4]
+    turn = matrix_from_head_angles(0.4, -0.2, 0.1)
+    both = np.concatenate([shapes, shapes[[2, 0]] @ turn.T])
+    assert distinct(both, pairwise_rotations(both)).tolist() == [0, 1, 2, 3]
+
+
+def test_a_shape_kept_twice_makes_no_second_start(world, unseen):
+    arrays = world.regressor.arrays()
+    shape, picture = unseen[0]
+    turned = arrays["shapes_mm"] @ matrix_from_head_angles(0.9, 0, 0).T
+    doubled = arrays | {"shapes_mm": np.concatenate([arrays["shapes_mm"], turned])}
+    once = Regression(world.regressor, world.face.camera).run(picture, shape)
+    twice = Regression(FernRegressor.from_arrays(doubled), world.face.camera).run(picture, shape)
+    assert np.allclose(once.points_mm, twice.points_mm)
 
 
 def test_distances_are_measured_after_turning(world):

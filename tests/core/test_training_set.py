@@ -40,7 +40,7 @@ def test_sixty_pictures_make_10800_samples_without_copying_a_picture(face):
 
 
 def test_pictures_of_turned_heads_join_with_fewer_samples_each(face):
-    settings = TrainingSetSettings(turning=TurnSettings((10.0,), from_deg=0.0))
+    settings = TrainingSetSettings(turning=TurnSettings((10.0,), from_deg=0.0, n_guesses=1))
     samples = make(face, settings=settings)
     assert samples.origin.tolist() == [*range(8), *range(8)]
     assert np.bincount(samples.image).tolist() == [9 * 5 * 4] * 8 + [9 * 5 * 1] * 8
@@ -69,7 +69,8 @@ def test_a_guess_is_one_of_the_most_similar_shapes_at_a_translation_from_the_tru
 
 
 def test_a_guess_is_turned_like_the_truth(face):
-    samples = make(face, settings=TrainingSetSettings(turn_rad=0.0))
+    still = TurnSettings(guess_turn_rad=0.0)
+    samples = make(face, settings=TrainingSetSettings(turn_rad=0.0, turning=still))
     for truth, guess in zip(samples.truth_mm[:100], samples.guess_mm[:100], strict=True):
         rotation, _ = register_rigid(guess.astype(float), truth.astype(float))
         assert np.trace(rotation) == pytest.approx(3.0, abs=1e-5)

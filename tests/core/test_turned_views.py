@@ -34,7 +34,7 @@ def test_the_turn_of_a_head_in_the_middle_is_its_yaw(face, yaw_deg):
 
 
 def test_a_head_is_turned_on_about_its_centre_by_the_angles_asked_for(face):
-    shapes, _, made = views(face, [30.0])
+    shapes, _, made = views(face, [30.0], TurnSettings((12.0, 24.0)))
     assert made.origin.tolist() == [0, 0]
     for turned, wanted_deg in zip(made.points_mm, (12.0, 24.0), strict=True):
         assert np.allclose(turned.mean(axis=0), shapes[0].mean(axis=0))
