@@ -50,6 +50,7 @@ class QuickSettings:
         least_focal_change: The same for the logarithm of the focal length.
         settled_calls: A face that has hardly changed in so many calls has settled.
         settled_change: What `hardly` is, in the two least changes above.
+        settled_frames: Nothing has settled with fewer frames.
         tolerance: The fit rests when the energy falls by less than this share.
     """
 
@@ -67,6 +68,7 @@ class QuickSettings:
     least_focal_change: float = 0.01
     settled_calls: int = 90
     settled_change: float = 3.0
+    settled_frames: int = 4
     tolerance: float = 1e-3
 
 
@@ -223,6 +225,7 @@ class QuickIdentity:
         settings = self._settings
         change = self._change_since_release()
         settled = self._pause >= settings.settled_calls and change < settings.settled_change
+        settled &= len(self._keyframes.frames) >= settings.settled_frames
         self._calls, self._pause = 0, min(self._pause * settings.slower, settings.most_calls)
         if change < 1 and settled <= self._settled:
             return None

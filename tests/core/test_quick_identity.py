@@ -11,7 +11,7 @@ from core.fit_space import face_at, fit_space
 from core.geometry import matrix_from_head_angles, procrustes, quaternion_from_matrix
 from core.landmarks import NAMES
 from core.model_fit import choose_picks
-from core.quick_identity import QuickIdentity
+from core.quick_identity import QuickIdentity, QuickSettings
 from core.records import Landmarks2D
 
 SIZE_PX, FOCAL_PX = (640, 480), 600.0
@@ -99,6 +99,22 @@ def test_focal_length_is_found_from_turned_heads(model, person):
     last = play(quick, state, landmarks)[-1]
     assert abs(last.camera.focal_px - FOCAL_PX) < 60
     assert 0 < last.focal_spread < 0.15
+
+
+def test_settles_when_nothing_changes_any_more(model, person):
+    state, landmarks = performance(person, np.random.default_rng(0), 200)
+    settings = QuickSettings(first_calls=10, settled_calls=20, most_calls=30)
+    found = play(
+        QuickIdentity(model, camera_for(SIZE_PX, FOCAL_PX), True, settings), state, landmarks
+    )
+    assert not found[0].settled
+    assert found[-1].settled
+
+
+def test_without_frames_there_is_no_face(model):
+    settings = QuickSettings(first_calls=1, settled_calls=2, most_calls=3)
+    quick = QuickIdentity(model, camera_for(SIZE_PX, FOCAL_PX), True, settings)
+    assert [quick.advance() for _ in range(20)] == [None] * 20
 
 
 def test_unsure_frames_are_not_looked_at(model, person):
