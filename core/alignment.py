@@ -184,10 +184,9 @@ class FaceAligner:
         depth = points[:, 2].astype(np.float64) * region.size_px / LANDMARK_SIZE_PX
         scale, rotation = head_pose(self._mean, mesh, depth)
         edge = outline(self._lines, mesh, rotation)
-        internal = mesh[MESH478[:N_INTERNAL]]
+        points_px = np.concatenate([mesh[MESH478[:N_INTERNAL]], edge, mesh[PUPILS478]])
         if self._bias is not None:
-            internal = internal - self._bias.error_px(rotation, scale)
-        points_px = np.concatenate([internal, edge, mesh[PUPILS478]])
+            points_px[:N_INTERNAL] -= self._bias.error_px(mesh, depth, rotation, scale)
         confidence = confidences(self._visibility, mesh, depth, rotation)
         confidence = confidence * inside(points_px, size_px)
         n = N_LANDMARKS
