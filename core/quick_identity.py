@@ -209,7 +209,8 @@ class QuickIdentity:
         self._damping = max(self._damping * _LESS, _LEAST_DAMPING)
         guess, state = stepped.guess, stepped.guess.state
         self._person, self._face, self._camera = guess.person, guess.face, guess.camera
-        self._focal_spread = self._focal.told(stepped.focal_spread)
+        prior_spread = self._focal.spread(frames, self._settings.frames.angle_rad)
+        self._focal_spread = self._focal.told(stepped.focal_spread, prior_spread)
         after = tuple(
             replace(frame, rotation=turned, translation_mm=place, expression=shapes, fresh=False)
             for frame, turned, place, shapes in zip(

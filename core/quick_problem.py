@@ -65,9 +65,17 @@ class FocalPrior:
         share = float(np.ptp(angles, axis=0).max()) / self.settings.turned_rad
         return self.widest * min(max(share, self.settings.frontal_share), 1.0)
 
-    def told(self, spread: float) -> float:
-        """Return the spread to be told when the equations promise this one."""
-        return min(spread * float(np.sqrt(self.settings.dispersion)), self.widest)
+    def told(self, spread: float, prior_spread: float) -> float:
+        """Return the spread to be told.
+
+        What frontal faces do not tell is unknown, even though the prior was held narrow for them.
+
+        Args:
+            spread: What the equations promise.
+            prior_spread: Spread of the prior among them.
+        """
+        honest = spread * float(np.sqrt(self.settings.dispersion))
+        return min(honest * self.widest / prior_spread, self.widest)
 
 
 def quick_problem(

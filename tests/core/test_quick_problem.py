@@ -25,9 +25,14 @@ def test_turned_heads_free_it():
 def test_known_focal_length_is_never_free():
     known = FocalPrior(640.0, True, FocalSettings())
     assert spread(known, -0.6, 0.6) <= 1e-4
-    assert known.told(1.0) == 1e-4
+    assert known.told(1.0, 1e-4) == 1e-4
 
 
 def test_told_spread_counts_landmark_errors_that_agree():
-    assert FREE.told(0.05) == pytest.approx(0.1)
-    assert FREE.told(np.inf) == 0.2
+    assert FREE.told(0.05, 0.2) == pytest.approx(0.1)
+    assert FREE.told(np.inf, 0.2) == 0.2
+
+
+def test_a_narrow_prior_is_not_told_as_knowledge():
+    frontal = spread(FREE, 0.0, 0.1)
+    assert FREE.told(frontal, frontal) == 0.2
