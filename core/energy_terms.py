@@ -26,8 +26,15 @@ import numpy as np
 from core.arkit import EXPRESSION_NAMES
 from core.fit_priors import USUAL_SPREAD, expression_spreads
 from core.kernels.energy import BARRIER, BOX, JointTerms, PaperTerms
-from core.pose_filter import PoseFilterSettings
+from core.pose_filter import LowPassSettings, PoseFilterSettings
 from core.records import FloatArray
+
+#: The filter believes a change of speed at once (8 Hz): it then needs less of it to follow.
+_FILTER = PoseFilterSettings(
+    rotation=LowPassSettings(0.3, 15.0, 8.0),
+    across=LowPassSettings(0.3, 0.15, 8.0),
+    along=LowPassSettings(0.3, 0.03, 8.0),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +114,7 @@ class EnergySettings:
     n_landmarks: int = 68
     paper: PaperSettings = field(default_factory=PaperSettings)
     joint: JointSettings = field(default_factory=JointSettings)
-    pose_filter: PoseFilterSettings | None = field(default_factory=PoseFilterSettings)
+    pose_filter: PoseFilterSettings | None = _FILTER
 
 
 def paper_terms(settings: PaperSettings) -> PaperTerms:

@@ -27,7 +27,6 @@ from core.fit_space import Face, fit_space, fit_vertices
 from core.geometry import head_angles_from_matrix, matrix_from_quaternion
 from core.landmark_confidence import smooth_step
 from core.landmarks import N_INTERNAL
-from core.pose_filter import PoseFilterSettings
 
 FPS = 30
 CAMERA = camera_for((640, 480), 620.0)
@@ -192,9 +191,8 @@ def report(title, variants, *, takes=TAKES, people=tuple(CAST), faces=("mean", "
 
 
 def paper(filtered=False, **changes):
-    pose_filter = PoseFilterSettings() if filtered else None
-    settings = EnergySettings(solver="paper", pose_filter=pose_filter)
-    return replace(settings, paper=PaperSettings(**changes))
+    settings = EnergySettings(solver="paper", paper=PaperSettings(**changes))
+    return settings if filtered else replace(settings, pose_filter=None)
 
 
 def joint(**changes):

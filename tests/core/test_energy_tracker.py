@@ -112,7 +112,7 @@ def test_rotation_of_a_still_face_jitters_less_than_a_twentieth_of_a_degree(rng)
     pose = head_pose()
     seen = landmarks(face(), expression(), pose)
     tracker = EnergyTracker(face(), CAMERA)
-    solved = follow(tracker, seen + NOISE_PX * rng.normal(size=(150, 75, 2)))
+    solved = follow(tracker, seen + 0.3 * rng.normal(size=(150, 75, 2)))
     angles = np.rad2deg(
         [head_angles_from_matrix(matrix_from_quaternion(s.rotation_wxyz)) for s in solved[20:]]
     )
