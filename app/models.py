@@ -7,12 +7,12 @@ from app.resources import asset
 from core.aligner_bias import load_aligner_bias
 from core.alignment import FaceAligner
 from core.animation_prior import AnimationPrior, load_animation_prior
-from core.auto_live import AutoTracker
+from core.auto_live import STRICT, AutoTracker
 from core.detection_policy import Detection
 from core.face_model import FaceModel, load_face_model
 from core.free_live import FreeTracker
 from core.landmark_flow import FlowSettings, LandmarkFollower
-from core.live import LiveTracker, User
+from core.live import LiveSettings, LiveTracker, User
 from core.records import Camera, UserBlendshapes
 from core.store import Profile
 
@@ -66,10 +66,12 @@ def load_models() -> Models:
     )
 
 
-def live_tracker(models: Models, profile: Profile) -> LiveTracker:
+def live_tracker(
+    models: Models, profile: Profile, settings: LiveSettings | None = None
+) -> LiveTracker:
     """Return a tracker that follows the person of a profile."""
     user = User(profile.camera, profile.user, profile.regressor)
-    return LiveTracker(models.face_model, user, models.aligner, models.prior)
+    return LiveTracker(models.face_model, user, models.aligner, models.prior, settings)
 
 
 def free_tracker(
@@ -92,4 +94,4 @@ def free_tracker(
 def auto_tracker(models: Models, profile: Profile, looking: Looking = LIVE) -> AutoTracker:
     """Return a tracker that uses a profile as long as its person is there."""
     free = free_tracker(models, profile.camera, looking, profile.user)
-    return AutoTracker(live_tracker(models, profile), free)
+    return AutoTracker(live_tracker(models, profile, STRICT), free)

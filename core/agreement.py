@@ -1,6 +1,7 @@
 """How far a tracker's landmarks are from those of the generic aligner."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,6 +24,18 @@ class Look:
     shape: Shape3D
     disagreement: float
     agrees: bool
+
+
+class Misfits(NamedTuple):
+    """How far faces stay from landmarks, as `disagreement`, after pose and expression are fitted.
+
+    Attributes:
+        own: The profile's.
+        mean: The face model's mean face.
+    """
+
+    own: float
+    mean: float
 
 
 def disagreement(points_px: FloatArray, landmarks: Landmarks2D) -> float:

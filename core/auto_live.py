@@ -13,10 +13,14 @@ import numpy as np
 from core.agreement import Look
 from core.free_live import FreeTracker
 from core.geometry import matrix_from_quaternion, rotation_facing_camera
-from core.live import LiveTracker
+from core.live import LiveSettings, LiveTracker
 from core.mode_blend import StateBlend
 from core.profile_match import MatchSettings, ProfileMatch
 from core.records import Camera, FaceState, Frame, Landmarks2D
+
+#: For the trained tracker: with another one at hand it need not get far before it counts as
+#: failing. On own faces regressor and aligner are up to 0.04 apart, on turned heads.
+STRICT = LiveSettings(disagreement=0.06)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,8 +30,6 @@ class AutoSettings:
     Attributes:
         match: Whether the face is the profile's.
         patience: Frames without the regressor, the face being seen, after which it has failed.
-        agreement: Distance of the regressor from the aligner, in parts of the face's size, from
-            which it fails; own faces reach 0.04 on turned heads.
         first_tries: Frames after a face was found in which the regressor is tried.
         try_every: Frames between two tries after that; each costs about 10 ms.
         unsure_every: Frames between the aligner's looks while the regressor leads and the match
@@ -37,7 +39,6 @@ class AutoSettings:
 
     match: MatchSettings = field(default_factory=MatchSettings)
     patience: int = 3
-    agreement: float = 0.06
     first_tries: tuple[int, ...] = (1, 3, 6, 10, 15)
     try_every: int = 10
     unsure_every: int = 5
@@ -53,7 +54,7 @@ class AutoTracker:
         """Join two trackers of one source.
 
         Args:
-            trained: Of the profile.
+            trained: Of the profile, best with the settings STRICT.
             free: With the profile's camera, for both must mean the same by a millimetre. It is
                 told whether the face is the profile's.
             settings: When to change over.
@@ -89,13 +90,10 @@ class AutoTracker:
             self._match.reset()
             return state
         look = self._trained.look
-        agrees = self._trained.follows and (look is None or self._agrees(look))
-        self._failed = 0 if agrees else self._failed + 1
+        self._failed = 0 if self._trained.follows else self._failed + 1
         if look is not None:
             self._weigh(look, state)
-        if not agrees:
-            self._trained.look_within(1)
-        elif not self._match.is_own:
+        if not self._match.is_own:
             self._trained.look_within(self._settings.unsure_every)
         if self._failed < self._settings.patience and not self._match.is_other:
             return state
@@ -128,18 +126,15 @@ class AutoTracker:
         self._weigh(look, state)
         if self._match.is_other:
             self._free.assume(None)
-        elif self._match.is_own and self._agrees(look):
+        elif self._match.is_own and look.agrees:
             self._trained_leads, self._failed = True, 0
-
-    def _agrees(self, look: Look) -> bool:
-        return look.agrees and look.disagreement < self._settings.agreement
 
     def _weigh(self, look: Look, state: FaceState) -> None:
         """Take a look for evidence; of a regressor that fails only the landmarks count."""
-        misfit = self._trained.misfit(look.landmarks)
-        if misfit is not None:
-            works = look if self._agrees(look) else None
-            self._match.weigh(works, misfit, turned_rad(state))
+        misfits = self._trained.misfits(look.landmarks)
+        if misfits is not None:
+            works = look if look.agrees else None
+            self._match.weigh(works, misfits, turned_rad(state))
 
 
 def turned_rad(state: FaceState) -> float:

@@ -35,6 +35,12 @@ def user_blendshapes(model: FaceModel, fit: ModelFit) -> UserBlendshapes:
     )
 
 
+def mean_user(model: FaceModel) -> UserBlendshapes:
+    """Return the model's mean face as a user's."""
+    identity = np.zeros(model.n_identities)
+    return UserBlendshapes(identity, neutral_mm(model, identity), deltas_mm(model, identity))
+
+
 def usual_rotation(fit: ModelFit) -> FloatArray:
     """Return the median rotation (4,) of the heads, against heads that face the camera."""
     rotations = matrix_from_quaternion(fit.rotations_wxyz)

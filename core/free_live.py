@@ -10,11 +10,11 @@ from typing import Protocol
 
 import numpy as np
 
-from core.blendshapes import spread_offsets
+from core.blendshapes import mean_user, spread_offsets
 from core.camera import camera_for, project, seen_by, unproject
 from core.energy_tracker import EnergySettings, EnergyTracker, Solved
 from core.face_blend import FaceBlend, KnownHead
-from core.face_model import FaceModel, deltas_mm, eye_centers_mm, neutral_mm
+from core.face_model import FaceModel, eye_centers_mm
 from core.fit_space import face_at
 from core.gaze import GazeFilter, GazeSettings, pupil_directions
 from core.geometry import matrix_from_quaternion
@@ -227,12 +227,6 @@ class FreeTracker:
         camera = found.camera if isinstance(found, Personal) else self._home
         head = head_of(self._model, self._assumed or found, camera)
         self._faces.begin(head, time_s)
-
-
-def mean_user(model: FaceModel) -> UserBlendshapes:
-    """Return the model's mean face as a user's."""
-    identity = np.zeros(model.n_identities)
-    return UserBlendshapes(identity, neutral_mm(model, identity), deltas_mm(model, identity))
 
 
 def head_of(model: FaceModel, user: UserBlendshapes | Personal, camera: Camera) -> KnownHead:

@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from core.blendshapes import mean_user
 from core.camera import project
 from core.face_model import FaceModel, eye_centers_mm, shape_vertices
-from core.free_live import UNKNOWN_CAMERA, FreeSettings, FreeTracker, mean_user
+from core.free_live import UNKNOWN_CAMERA, FreeSettings, FreeTracker
 from core.geometry import matrix_from_head_angles
 from core.landmark_flow import Followed
 from core.landmarks import N_INTERNAL

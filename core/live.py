@@ -4,14 +4,16 @@
 """
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
-from core.agreement import Look, disagreement
+from core.agreement import Look, Misfits, disagreement
 from core.alignment import Alignment
 from core.animation_prior import AnimationPrior
 from core.arkit import EXPRESSION_NAMES
+from core.blendshapes import mean_user
 from core.camera import project, seen_by
 from core.face_model import FaceModel, eye_centers_mm, shape_vertices
 from core.landmarks import N_INTERNAL, N_LANDMARKS
@@ -166,15 +168,14 @@ class LiveTracker:
             self._look = self._begin(frame, landmarks, recovered)
         return self._look
 
-    def misfit(self, landmarks: Landmarks2D) -> float | None:
-        """Return how far the user's own face stays from landmarks, None if they do not suffice.
-
-        The distance is that of `disagreement`, after pose and expression are fitted.
-        """
-        recovered = self._recovered(landmarks)
-        if recovered is None:
+    def misfits(self, landmarks: Landmarks2D) -> Misfits | None:
+        """Return how far faces stay from landmarks; None if they do not suffice."""
+        own = self._recovered(landmarks)
+        mean = self._recovered(landmarks, self._mean)
+        if own is None or mean is None:
             return None
-        return disagreement(project(self._camera, recovered[:N_LANDMARKS]), landmarks)
+        places = [project(self._camera, shape[:N_LANDMARKS]) for shape in (own, mean)]
+        return Misfits(*(disagreement(points_px, landmarks) for points_px in places))
 
     def step(self, frame: Frame) -> FaceState:
         """Return the face in a frame; `lost` and the last good state where there is none."""
@@ -259,9 +260,15 @@ class LiveTracker:
             return _Found(self._look.shape.points_mm, self._confidence(self._look.shape))
         return _Found(recovered, 0.5 * self._alignment.presence)
 
-    def _recovered(self, landmarks: Landmarks2D) -> FloatArray | None:
-        """Return the user's shape (Q, 3) with these landmarks, None if they are too few."""
-        user, settings = self._user.blendshapes, self._settings.recovery
+    @cached_property
+    def _mean(self) -> UserBlendshapes:
+        return mean_user(self._model)
+
+    def _recovered(
+        self, landmarks: Landmarks2D, user: UserBlendshapes | None = None
+    ) -> FloatArray | None:
+        """Return a user's shape (Q, 3) with these landmarks, None if they are too few."""
+        user, settings = user or self._user.blendshapes, self._settings.recovery
         try:
             found = recover_one(self._model, user, self._camera, landmarks, settings)
         except FewLandmarksError:

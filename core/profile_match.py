@@ -2,28 +2,33 @@
 
 Three measurements of one look by the generic aligner speak to that: how far the regressor is from
 the aligner, how unlike the training pictures the face looks where the regressor puts it, and how
-far the profile's face stays from the landmarks after pose and expression are fitted. Their
-logarithms, each against a level that own faces stay below and other faces stay above, add up as
-evidence does. Turned heads say little: there the aligner itself is off.
+far the profile's face stays from the landmarks after pose and expression are fitted. Both distances
+count in parts of what the model's mean face leaves over: blurred pictures, and an aligner that has
+become better since the profile was made, then say nothing against anybody. The logarithms, each
+against a level that own faces stay below and other faces stay above, add up as evidence does.
+Turned heads say little: there the aligner itself is off.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from core.agreement import Look
+from core.agreement import Look, Misfits
 
 
 @dataclass(frozen=True, slots=True)
 class MatchSettings:
     """How evidence is weighed.
 
+    Measured on three performers and a real person before four profiles, medians of a video.
+
     Attributes:
-        disagreement: Level of the regressor's distance from the aligner, in parts of the face's
-            size; measured on three performers and a real person before four profiles, own faces
-            have a median of 0.007 to 0.008, others of 0.015 to 0.044.
+        disagreement: Level of the regressor's distance from the aligner, in parts of the mean
+            face's misfit; own faces have 0.7 to 0.75, others 1.3 to 3.5.
         residual: Level of the unlikeness; own 0.3 to 0.6, others 0.6 to 2.5.
-        misfit: Level of the profile's face; own 0.005 to 0.0065, others 0.007 to 0.0136.
+        misfit: Level of the profile's face, in parts of the mean face's; own 0.45 to 0.55, others
+            0.7 to 1.2.
+        usual_mean: Misfit of the mean face that counts at least: some people look like it.
         most_from_residual: Most that unlikeness may say against a match: a new lamp makes an own
             face unlike the pictures, too.
         turned_rad: A head turned so far says nothing.
@@ -33,14 +38,15 @@ class MatchSettings:
         other: Evidence above which it is another's.
     """
 
-    disagreement: float = 0.0135
+    disagreement: float = 1.0
     residual: float = 0.68
-    misfit: float = 0.0075
+    misfit: float = 0.67
+    usual_mean: float = 0.009
     most_from_residual: float = 0.5
     turned_rad: float = 0.6
     memory: float = 6.0
     doubt: float = 0.7
-    own: float = -0.3
+    own: float = -0.25
     other: float = 0.15
 
 
@@ -70,27 +76,28 @@ class ProfileMatch:
         """Know nothing: there was no face, so another may come."""
         self._sum, self._weight = 0.0, 0.0
 
-    def weigh(self, look: Look | None, misfit: float, turned_rad: float) -> None:
+    def weigh(self, look: Look | None, misfits: Misfits, turned_rad: float) -> None:
         """Take a look into account.
 
         Args:
             look: What the aligner saw and the regressor made of it, None if that failed.
-            misfit: Of the profile's face, see `LiveTracker.misfit`.
+            misfits: Of the profile's face and the mean face in the same look.
             turned_rad: Angle between the head and one that faces the camera.
         """
         settings = self._settings
         weight = max(0.0, 1.0 - (turned_rad / settings.turned_rad) ** 2)
         # The older half as many looks ago as are remembered, the lighter.
         kept = 1.0 - weight / settings.memory
-        self._sum = kept * self._sum + weight * strangeness(look, misfit, settings)
+        self._sum = kept * self._sum + weight * strangeness(look, misfits, settings)
         self._weight = kept * self._weight + weight
 
 
-def strangeness(look: Look | None, misfit: float, settings: MatchSettings) -> float:
+def strangeness(look: Look | None, misfits: Misfits, settings: MatchSettings) -> float:
     """Return what one look says: above 0 for another's face, below 0 for the profile's."""
-    unfit = float(np.log(max(misfit, 1e-4) / settings.misfit))
+    mean = max(misfits.mean, settings.usual_mean)
+    unfit = float(np.log(max(misfits.own, 1e-4) / mean / settings.misfit))
     if look is None:
         return unfit
     unlike = float(np.log(max(look.shape.residual, 1e-3) / settings.residual))
-    apart = float(np.log(max(look.disagreement, 1e-4) / settings.disagreement))
+    apart = float(np.log(max(look.disagreement, 1e-4) / mean / settings.disagreement))
     return apart + min(unlike, settings.most_from_residual) + unfit

@@ -9,8 +9,9 @@ from app.commands.modes import FREE, LEARNING_S, TRAINED, Way, learn, way_of
 from app.commands.track import interrupt_ends, track
 from app.main import build_parser, main
 from app.recording.outputs import Outputs
+from core.blendshapes import mean_user
 from core.camera import camera_for
-from core.free_live import UNKNOWN_CAMERA, mean_user
+from core.free_live import UNKNOWN_CAMERA
 from core.records import FaceState, Frame
 
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.agreement import Look
-from core.auto_live import AutoTracker, turned_rad
+from core.agreement import Look, Misfits
+from core.auto_live import STRICT, AutoTracker, turned_rad
 from core.camera import camera_for, project
 from core.free_live import FreeSettings, FreeTracker
 from core.geometry import (
@@ -92,8 +92,8 @@ class TrainedSpy:
         self.follows = self.look.agrees
         return self.look
 
-    def misfit(self, landmarks):
-        return self.scene.measured[2]
+    def misfits(self, landmarks):
+        return Misfits(self.scene.measured[2], 0.0105)
 
     user = "the profile's"
 
@@ -235,7 +235,7 @@ class Painted:
         self.user, self.time_s = painted_user(), 0.0
         self.face, self.looks = self.user.shape(), 0
         model, camera = self.user.model, self.user.camera
-        trained = LiveTracker(model, trained_user(), self, shipped_prior())
+        trained = LiveTracker(model, trained_user(), self, shipped_prior(), STRICT)
         follower = LandmarkFollower(self, FlowSettings(detection="every"))
         free = FreeTracker(model, follower, camera, FreeSettings(), self.user.blendshapes)
         self.tracker = AutoTracker(trained, free)

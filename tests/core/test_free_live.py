@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from core.blendshapes import mean_user
 from core.camera import camera_for, project
 from core.free_live import (
     UNKNOWN_CAMERA,
@@ -12,7 +13,6 @@ from core.free_live import (
     FreeTracker,
     eye_centers_of,
     head_of,
-    mean_user,
 )
 from core.geometry import (
     head_angles_from_matrix,
