@@ -13,11 +13,19 @@ import numpy as np
 from core.face_model import FaceModel
 from core.fit_problem import State, posed
 from core.fit_space import face_at, fit_vertices
-from core.geometry import quaternion_from_matrix
-from core.landmark_guess import expected_state, landmarks_at, placed_kept, straight_pupils_mm
+from core.geometry import matrix_from_quaternion, quaternion_from_matrix
+from core.landmark_guess import (
+    expected_state,
+    landmarks_at,
+    nearest_prompt,
+    placed_kept,
+    straight_pupils_mm,
+)
 from core.landmarks import N_INTERNAL
 from core.model_fit import LEAST_LANDMARKS, choose_picks, trusted_landmarks
+from core.profile_search import moved_to_skin
 from core.records import (
+    U8,
     Camera,
     Landmarks2D,
     ModelFit,
@@ -56,6 +64,21 @@ class Placed:
     shapes: SetupShapes
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Pictures:
+    """Setup pictures.
+
+    Attributes:
+        names: File stems.
+        grays: (H, W) grey levels.
+        landmarks: As they came.
+    """
+
+    names: tuple[str, ...]
+    grays: tuple[U8, ...]
+    landmarks: tuple[Landmarks2D, ...]
+
+
 def prompt_of(name: str) -> Shot | None:
     """Return the prompt of the picture with this file stem, None if it is no shot."""
     return next((shot for shot in SHOTS if shot.name == name), None)
@@ -79,34 +102,45 @@ def sort_pictures(names: Sequence[str], landmarks: Sequence[Landmarks2D]) -> Sor
 
 
 def with_guesses(
-    model: FaceModel, user: UserBlendshapes, camera: Camera, names: Sequence[str],
-    landmarks: Sequence[Landmarks2D], fitted: Placed,
-) -> Placed:  # fmt: skip
+    model: FaceModel, user: UserBlendshapes, camera: Camera, pictures: Pictures, fitted: Placed
+) -> Placed:
     """Return the rows of all kept pictures, those that were not fitted by their prompts.
+
+    The prompt says how the head is turned, the skin of the picture with the nearest prompt
+    where it is.
 
     Args:
         model: The face model.
         user: The user's blendshapes.
         camera: The camera.
-        names: Of the kept pictures.
-        landmarks: Theirs as they came.
+        pictures: The kept pictures.
         fitted: Rows of those with enough trusted landmarks.
     """
-    seen = [trusted_landmarks(one) >= LEAST_LANDMARKS for one in landmarks]
-    prompts = [prompt_of(name) for name in names]
-    shots = [shot for shot, fits in zip(prompts, seen, strict=True) if fits]
-    known = [row for row, shot in enumerate(shots) if shot is not None]
-    rows: list[Placed] = []
-    n_fitted = 0
-    for shot, fits, before in zip(prompts, seen, landmarks, strict=True):
-        if fits or shot is None:
-            rows.append(_row(fitted, n_fitted))
-            n_fitted += 1
+    seen = [trusted_landmarks(one) >= LEAST_LANDMARKS for one in pictures.landmarks]
+    prompts = [prompt_of(name) for name in pictures.names]
+    # Picture, row of the fit and prompt of what guesses start from.
+    order = {n: row for row, n in enumerate(np.flatnonzero(seen).tolist())}
+    anchors = [(n, row, shot) for n, row in order.items() if (shot := prompts[n]) is not None]
+    known = _rows_of_fit(fitted.fit, [row for _, row, _ in anchors])
+    shots = [shot for _, _, shot in anchors]
+    rows = []
+    for n, shot in enumerate(prompts):
+        if n in order or shot is None:
+            rows.append(_row(fitted, order[n]))
             continue
-        anchors = [one for one in shots if one is not None]
-        state = expected_state(shot, anchors, _rows_of_fit(fitted.fit, known))
-        rows.append(_guess(model, user, camera, state, before, fitted.fit))
+        nearest = nearest_prompt(shot, shots)
+        anchor = (_state_of(known, nearest), pictures.grays[anchors[nearest][0]])
+        state = moved_to_skin(
+            model, user, camera, expected_state(shot, shots, known), pictures.grays[n], anchor
+        )
+        rows.append(_guess(model, user, camera, state, pictures.landmarks[n], fitted.fit))
     return _stacked(rows)
+
+
+def _state_of(fit: ModelFit, row: int) -> State:
+    one = slice(row, row + 1)
+    rotations = matrix_from_quaternion(fit.rotations_wxyz[one])
+    return State(rotations, fit.translations_mm[one], fit.expressions[one])
 
 
 def _guess(

@@ -82,11 +82,17 @@ def expected_pose(
     The pose of the fitted picture with the nearest prompt, turned about the neck by the
     difference of the two prompts.
     """
-    prompts = np.array([[one.yaw, one.pitch, one.roll] for one in fitted])
-    distance = np.linalg.norm(prompts - [shot.yaw, shot.pitch, shot.roll], axis=1)
-    nearest = int(distance.argmin())
+    nearest = nearest_prompt(shot, fitted)
+    near = fitted[nearest]
     was = matrix_from_quaternion(fit.rotations_wxyz[nearest])
-    asked_there = matrix_from_head_angles(*prompts[nearest])
+    asked_there = matrix_from_head_angles(near.yaw, near.pitch, near.roll)
     turned = matrix_from_head_angles(shot.yaw, shot.pitch, shot.roll) @ asked_there.T @ was
     neck = was @ PIVOT_MM + fit.translations_mm[nearest]
     return turned, neck - turned @ PIVOT_MM
+
+
+def nearest_prompt(shot: Shot, others: Sequence[Shot]) -> int:
+    """Return the number of the prompt whose head angles are most like a shot's."""
+    prompts = np.array([[one.yaw, one.pitch, one.roll] for one in others])
+    distance = np.linalg.norm(prompts - [shot.yaw, shot.pitch, shot.roll], axis=1)
+    return int(distance.argmin())

@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from core.blendshapes import user_blendshapes
-from core.blind_pictures import Placed, Sorting, sort_pictures, with_guesses
+from core.blind_pictures import Pictures, Placed, Sorting, sort_pictures, with_guesses
 from core.calibration import CalibrationSettings, FocalEstimate, estimate_focal
 from core.camera import camera_for
 from core.errors import CoreError
@@ -176,8 +176,8 @@ def build(
     report = _report(focal, images, fit, shapes) | {"held_out": held_out}
     report |= _unfitted(given, sorting)
     kept, before = _chosen(given, found, sorting.kept)
-    fitted = Placed(landmarks, fit, shapes)
-    placed = with_guesses(model, user, camera, kept.names, before, fitted)
+    pictures = Pictures(kept.names, tuple(gray_from_rgb(one) for one in kept.images), before)
+    placed = with_guesses(model, user, camera, pictures, Placed(landmarks, fit, shapes))
     return Built(camera, kept, placed.landmarks, placed.fit, user, placed.shapes, regressor, report)
 
 
