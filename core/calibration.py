@@ -20,7 +20,8 @@ from core.face_model import FaceModel
 from core.fit_priors import PriorSettings
 from core.fit_problem import State
 from core.fit_space import FitSpace, fit_space
-from core.focal_search import parabola_minimum, search_focal
+from core.focal_search import search_focal, smooth_minimum
+from core.landmarks import N_INTERNAL
 from core.model_fit import (
     Fit,
     FitSettings,
@@ -61,8 +62,9 @@ class CalibrationSettings:
         high_widths: Longest focal length, in image widths.
         usual_widths: Usual focal length of webcams, 60 degrees of view, in image widths.
         usual_spread: How far others are from that, as a ratio.
-        dispersion: What the energy is divided by before it meets the usual value: landmark
-            errors of one person agree from picture to picture, but are counted as independent.
+        dispersion: What the energy is divided by before it meets the usual value: an aligner's
+            errors agree from picture to picture, but are counted as independent. Those of
+            landmarks placed by hand do not agree; they count in full.
         evaluations: Fits after the first.
         steps: Most joint steps of each.
         tolerance: A fit ends when its error falls by less than this share.
@@ -71,6 +73,7 @@ class CalibrationSettings:
     fit: FitSettings = field(
         default_factory=lambda: FitSettings(
             noise_mm=1.0,
+            hand_noise_mm=0.5,
             contour_weight=0.02,
             deviation=0.3,
             identity_weight=1.0,
@@ -141,14 +144,23 @@ def estimate_focal(
     problem, start = set_up(space, camera, landmarks, settings.fit, standard)
     rounds, total = settings.fit.rounds, settings.fit.rounds + settings.evaluations + 1
     first = yield from _part(refine(problem, space, start, settings.fit), 0, total)
+    settings = replace(settings, dispersion=_dispersion(landmarks, settings))
     trial = _Trials(problem, space, first, settings)
     low, high = settings.low_widths * width, settings.high_widths * width
     search = search_focal(trial.error, low, high, settings.evaluations - 1)
     best = yield from _part(search, rounds, total)
     focals = np.array(sorted(trial.tried))
     errors = np.array([trial.tried[focal] for focal in focals])
-    middle, spread = parabola_minimum(np.log(focals), errors, np.log(best))
+    middle, spread = smooth_minimum(np.log(focals), errors, np.log(best))
     return FocalEstimate(camera_for(size_px, float(np.exp(middle))), spread, focals, errors)
+
+
+def _dispersion(landmarks: Sequence[Landmarks2D], settings: CalibrationSettings) -> float:
+    """Return what the energy is divided by, 1 where all trusted landmarks are placed by hand."""
+    trust = np.stack([one.confidence[:N_INTERNAL] for one in landmarks])
+    by_hand = np.stack([one.edited[:N_INTERNAL] for one in landmarks])
+    share = np.average(by_hand, weights=trust)
+    return float(1 + (settings.dispersion - 1) * (1 - share))
 
 
 def _part(

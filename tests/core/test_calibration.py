@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
+from app.performer.opening import FOCAL_LENGTHS_PX
 from core.calibration import (
     CalibrationSettings,
     ChessboardError,
@@ -14,10 +15,11 @@ from core.calibration import (
     estimate_focal,
 )
 from core.camera import camera_for, project
-from core.focal_search import FocalNotBracketedError, parabola_minimum, search_focal
+from core.focal_search import FocalNotBracketedError, search_focal, smooth_minimum
 from core.geometry import matrix_from_head_angles
 from core.model_fit import FewLandmarksError
 from core.setup_plan import SHOTS
+from tests.benchmarks.focal_length import found_from_exact
 from tests.core.held_out_person import face_model, filmed, person, prompts
 from tests.core.synthetic_fit import result_of
 
@@ -50,15 +52,26 @@ def test_says_which_end_is_too_tight():
         result_of(search_focal(lambda f: -f, 300.0, 3000.0))
 
 
-def test_parabola_gives_place_and_spread():
+def test_the_minimum_of_a_parabola_and_its_spread():
     places = np.linspace(-0.2, 0.2, 9)
-    place, spread = parabola_minimum(places, ((places - 0.01) / 0.05) ** 2 + 7, 0.0)
-    assert place == pytest.approx(0.01) and spread == pytest.approx(0.05)
+    place, spread = smooth_minimum(places, ((places - 0.01) / 0.05) ** 2 + 7, 0.0)
+    assert place == pytest.approx(0.01, abs=1e-4) and spread == pytest.approx(0.05)
+
+
+def test_errors_that_rise_faster_on_one_side_do_not_shift_the_minimum():
+    places = np.array([-0.24, -0.15, -0.08, -0.03, 0.0, 0.02, 0.05, 0.12, 0.2])
+    # What depends on 1 / f, as perspective does.
+    errors = ((np.exp(-(places - 0.01)) - 1) / 0.05) ** 2
+    place, spread = smooth_minimum(places, errors, 0.0)
+    assert place == pytest.approx(0.01, abs=2e-3) and spread == pytest.approx(0.05, rel=0.1)
+    parabola = np.polyfit(places, errors, 2)
+    assert abs(-0.5 * parabola[1] / parabola[0] - 0.01) > 4e-3
 
 
 def test_errors_that_do_not_curve_up_leave_the_best_as_it_is():
     places = np.linspace(-0.2, 0.2, 9)
-    assert parabola_minimum(places, -(places**2), 0.1) == (0.1, 0.25)
+    assert smooth_minimum(places, -(places**2), 0.1) == (0.1, 0.25)
+    assert smooth_minimum(places[:4], places[:4] ** 2, 0.1) == (0.1, 0.25)
 
 
 def board_picture(camera, rotation, translation, squares=(8, 6), size_mm=25.0):
@@ -171,3 +184,23 @@ def test_calibration_refuses_a_picture_without_landmarks():
     blind = [film.landmarks[0], replace(film.landmarks[1], confidence=np.zeros(75))]
     with pytest.raises(FewLandmarksError, match="picture 1"):
         result_of(calibrate(face_model(), (640, 480), blind, None, CalibrationSettings()))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("focal_px", FOCAL_LENGTHS_PX)
+def test_landmarks_placed_with_care_give_the_focal_length_of_the_virtual_performer(focal_px):
+    found = found_from_exact(face_model(), "tomas", focal_px, seed=2)
+    assert found == pytest.approx(focal_px, rel=0.02)
+
+
+def test_errors_count_in_full_where_the_user_placed_the_landmarks():
+    film = filmed(person(0), prompts("pose_yaw")[1:4], np.random.default_rng(3))
+    settings = CalibrationSettings(evaluations=3, dispersion=4.0, usual_spread=100.0)
+    found = [
+        result_of(estimate_focal(face_model(), (640, 480), landmarks, film.standard, settings))
+        for landmarks in (
+            film.landmarks, [replace(one, edited=np.ones(75, bool)) for one in film.landmarks]
+        )
+    ]  # fmt: skip
+    rise = [np.ptp(one.errors) for one in found]
+    assert rise[1] > 3 * rise[0]
