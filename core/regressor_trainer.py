@@ -40,7 +40,7 @@ class TrainSettings:
     n_tests: int = 5
     shrinkage: float = 250.0
     n_numbers: int = 24
-    n_parts: int = 3
+    n_parts: int = 5
     balance: float = 0.5
     points: PointSettings = field(default_factory=PointSettings)
 
