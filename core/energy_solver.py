@@ -25,6 +25,8 @@ from core.records import Camera, FloatArray
 USUAL_MM = (0.0, 0.0, 600.0)
 #: Landmarks less sure than this are not used for a first pose, unless there are too few.
 _SURE, _FEW = 0.3, 6
+#: Distance at which a landmark is half explained, mm at the face.
+_NEAR_MM = 6.0
 #: Landmarks within so few px are no face.
 _SMALLEST_PX = 3.0
 #: Where a head can be, mm, and how far it can turn from the camera, as a cosine.
@@ -43,6 +45,18 @@ class Past(NamedTuple):
     predicted: FloatArray
     frames: float
     left_mm: float
+
+
+class Fit(NamedTuple):
+    """How well a solution explains the landmarks, weighted by their confidence.
+
+    Attributes:
+        rms_px: Root mean square distance.
+        near: Share of the landmarks that are near, in (0, 1]; one at `_NEAR_MM` counts a half.
+    """
+
+    rms_px: float
+    near: float
 
 
 class FaceSolver:
@@ -129,8 +143,8 @@ class FaceSolver:
             self.pose[:3], self.pose[3] = rotation, place
         self._fit_pose(weights, None)
 
-    def solve(self, past: Past | None) -> float:
-        """Solve the frame from the solution so far; return the distance left in px.
+    def solve(self, past: Past | None) -> Fit:
+        """Solve the frame from the solution so far.
 
         Args:
             past: Of the frames before; None: there is none.
@@ -143,9 +157,11 @@ class FaceSolver:
         np.clip(self.expression, 0.0, 1.0, out=self.expression)
         tables = self._face.tables
         express(tables.neutral, tables.deltas, self.expression, self._work.shape)
-        self._work.root[:] = np.sqrt(self._weights)
-        square = reproject(self._points, self._pinhole, self.pose, self._work)
-        return float(np.sqrt(square / self._weights.sum()))
+        self._work.root[:] = 1.0
+        reproject(self._points, self._pinhole, self.pose, self._work)
+        squares, share = np.sum(self._work.residual**2, axis=0), self._weights / self._weights.sum()
+        near = 1.0 / (1.0 + squares * (self.mm_per_px / _NEAR_MM) ** 2)
+        return Fit(float(np.sqrt(squares @ share)), float(near @ share))
 
     def _place_facing(self) -> None:
         """Put a face that looks into the camera where the landmarks are, as large as they are."""

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.energy_solver import USUAL_MM, FaceSolver, Past
+from core.energy_solver import USUAL_MM, FaceSolver, Fit, Past
 from core.energy_terms import EnergySettings, predicted_pose
 from core.fit_space import Face
 from core.geometry import quaternion_from_matrix
@@ -20,8 +20,13 @@ from core.records import Camera, FloatArray
 
 __all__ = ["EnergySettings", "EnergyTracker", "Solved", "SolverState"]
 
-#: Distance of the landmarks from the solution, in mm at the face, that is good, and hopeless.
-_GOOD_MM, _HOPELESS_MM = 4.0, 14.0
+#: Share of near landmarks at which a solution is hopeless, doubtful, and good. A hand over the
+#: mouth leaves two thirds; a head that is elsewhere leaves a quarter.
+_HOPELESS, _DOUBTFUL, _GOOD = 0.35, 0.55, 0.7
+#: Distance beyond twice the usual one that makes a solution doubtful, too.
+_SUDDEN_MM = 3.0
+#: A new beginning must explain so much more than going on.
+_BETTER = 0.05
 #: The distance that is expected of a face of which nothing is known, mm.
 _FIRST_MM = 3.0
 #: Frame rate for which the settings are given.
@@ -97,10 +102,8 @@ class EnergyTracker:
 
     def reset(self) -> None:
         """Forget the past: the face was lost, or the video changed."""
-        self._times_s[:] = np.nan
-        self._left_mm = _FIRST_MM
+        self._forget_past()
         self._solver.forget()
-        self._filter.reset()
 
     def step(self, points_px: FloatArray, confidence: FloatArray, time_s: float) -> Solved:
         """Return pose and expression of one frame.
@@ -119,14 +122,14 @@ class EnergyTracker:
         self._solver.take(points_px, confidence)
         if not self._solver.sees_something:
             return self._held(0.0)
-        rms_px = self._track(time_s)
+        fit = self._track(time_s)
         if not self._solver.is_possible:
             self.reset()
-            return self._held(rms_px)
-        left_mm = rms_px * self._solver.mm_per_px
-        self._remember(time_s, left_mm)
-        quality = np.clip((_HOPELESS_MM - left_mm) / (_HOPELESS_MM - _GOOD_MM), 0.0, 1.0)
-        return self._show(time_s, rms_px, float(quality * np.clip(confidence, 0.0, 1.0).mean()))
+            return self._held(fit.rms_px)
+        self._remember(time_s, fit.rms_px * self._solver.mm_per_px)
+        quality = np.clip((fit.near - _HOPELESS) / (_GOOD - _HOPELESS), 0.0, 1.0)
+        seen = np.clip(confidence, 0.0, 1.0).mean()
+        return self._show(time_s, fit.rms_px, float(quality * seen))
 
     def points_mm(self) -> FloatArray:
         """Return internal landmarks and replacement points (75, 3) of the last solution.
@@ -135,18 +138,31 @@ class EnergyTracker:
         """
         return self._solver.points_mm()
 
-    def _track(self, time_s: float) -> float:
-        """Solve a frame from the last one, or anew if that fails; return the distance in px."""
-        if not np.isnan(self._times_s[0]):
-            predicted = predicted_pose(self._history, self._times_s, time_s)
-            frames = _USUAL_FPS * (time_s - self._times_s[0])
-            rms_px = self._solver.solve(Past(predicted, frames, self._left_mm))
-            near = rms_px * self._solver.mm_per_px < _HOPELESS_MM
-            if near and self._solver.is_possible:
-                return rms_px
-            self.reset()
+    def _forget_past(self) -> None:
+        self._times_s[:] = np.nan
+        self._left_mm = _FIRST_MM
+        self._filter.reset()
+
+    def _track(self, time_s: float) -> Fit:
+        """Solve a frame from the last one; if that is doubtful also anew, and keep the better."""
+        if np.isnan(self._times_s[0]):
+            self._solver.start()
+            return self._solver.solve(None)
+        predicted = predicted_pose(self._history, self._times_s, time_s)
+        frames = _USUAL_FPS * (time_s - self._times_s[0])
+        fit = self._solver.solve(Past(predicted, frames, self._left_mm))
+        sudden = fit.rms_px * self._solver.mm_per_px > 2.0 * self._left_mm + _SUDDEN_MM
+        if self._solver.is_possible and fit.near > _DOUBTFUL and not sudden:
+            return fit
+        pose, expression = self._solver.pose.copy(), self._solver.expression.copy()
+        possible = self._solver.is_possible
         self._solver.start()
-        return self._solver.solve(None)
+        anew = self._solver.solve(None)
+        if possible and anew.near < fit.near + _BETTER:
+            self._solver.pose[:], self._solver.expression[:] = pose, expression
+            return fit
+        self._forget_past()
+        return anew
 
     def _remember(self, time_s: float, left_mm: float) -> None:
         """Keep the pose and the distance for the next frames."""

@@ -312,3 +312,27 @@ def test_strong_smoothness_of_the_paper_overshoots_where_a_turn_ends():
 def test_landmarks_of_another_kind_are_refused(points, confidence):
     with pytest.raises(ValueError, match="energy tracker needs"):
         EnergyTracker(face(), CAMERA).step(points, confidence, 0.0)
+
+
+@needs_compiled_kernels
+@pytest.mark.parametrize("angles", [(0.8, 0.2, -0.4), (-0.7, -0.3, 0.4), (0.1, 0.4, 0.0)])
+def test_after_a_cut_the_face_is_found_in_the_next_frame(angles):
+    tracker = EnergyTracker(face(), CAMERA, unfiltered("joint"))
+    before = head_pose(-0.6, -0.2, 0.3, (-120.0, 60.0, 450.0))
+    follow(tracker, [landmarks(face(), expression(mouthPucker=0.8), before)] * 5)
+    after = head_pose(*angles, (130.0, -50.0, 900.0))
+    solved = tracker.step(landmarks(face(), expression(jawOpen=0.5), after), SURE, 5 / FPS)
+    assert turned_deg(solved, after) < 2.0
+    assert solved.confidence > 0.9
+
+
+@needs_compiled_kernels
+def test_a_hand_over_the_mouth_lowers_confidence_and_does_not_lose_the_face():
+    tracker = EnergyTracker(face(), CAMERA)
+    seen = [landmarks(face(), expression(), nodding(k)) for k in range(40)]
+    for points in seen[20:]:
+        points[40:60] += [25.0, 40.0]
+    solved = follow(tracker, seen)
+    assert solved[19].confidence == pytest.approx(1.0)
+    assert 0.3 < solved[-1].confidence < 0.99
+    assert max(turned_deg(s, nodding(k)) for k, s in enumerate(solved)) < 2.5
