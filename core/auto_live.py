@@ -93,7 +93,7 @@ class AutoTracker:
         self._failed = 0 if self._trained.follows else self._failed + 1
         if look is not None:
             self._weigh(look, state)
-        if not self._match.is_own:
+        if self._match.is_unsure:
             self._trained.look_within(self._settings.unsure_every)
         if self._failed < self._settings.patience and not self._match.is_other:
             return state

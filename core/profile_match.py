@@ -24,30 +24,33 @@ class MatchSettings:
 
     Attributes:
         disagreement: Level of the regressor's distance from the aligner, in parts of the mean
-            face's misfit; own faces have 0.7 to 0.75, others 1.3 to 3.5.
+            face's misfit; own faces have 0.7 to 0.75, others 1.3 to 3.5. An aligner with other
+            mean errors than the profile was made with takes own faces to 0.85 to 1.3.
         residual: Level of the unlikeness; own 0.3 to 0.6, others 0.6 to 2.5.
-        misfit: Level of the profile's face, in parts of the mean face's; own 0.45 to 0.55, others
-            0.7 to 1.2.
+        misfit: Level of the profile's face, in parts of the mean face's; own 0.45 to 0.55 (0.65
+            to 0.75), others 0.7 to 1.4.
         usual_mean: Misfit of the mean face that counts at least: some people look like it.
         most_from_residual: Most that unlikeness may say against a match: a new lamp makes an own
             face unlike the pictures, too.
         turned_rad: A head turned so far says nothing.
         memory: Looks that are remembered.
         doubt: Weight of the doubt at the beginning, in looks.
+        most: Most that one look may say.
         own: Evidence below which the face is the profile's.
         other: Evidence above which it is another's.
     """
 
-    disagreement: float = 1.0
+    disagreement: float = 1.3
     residual: float = 0.68
-    misfit: float = 0.67
+    misfit: float = 0.8
     usual_mean: float = 0.009
     most_from_residual: float = 0.5
     turned_rad: float = 0.6
     memory: float = 6.0
     doubt: float = 0.7
+    most: float = 1.5
     own: float = -0.25
-    other: float = 0.15
+    other: float = 0.05
 
 
 class ProfileMatch:
@@ -72,9 +75,14 @@ class ProfileMatch:
         """Whether the face is another's, as far as is known."""
         return self.evidence > self._settings.other
 
+    @property
+    def is_unsure(self) -> bool:
+        """Whether another look would help: little is known, or the last one was odd."""
+        return not self.is_own or self._last > self._settings.other
+
     def reset(self) -> None:
         """Know nothing: there was no face, so another may come."""
-        self._sum, self._weight = 0.0, 0.0
+        self._sum, self._weight, self._last = 0.0, 0.0, 0.0
 
     def weigh(self, look: Look | None, misfits: Misfits, turned_rad: float) -> None:
         """Take a look into account.
@@ -88,7 +96,9 @@ class ProfileMatch:
         weight = max(0.0, 1.0 - (turned_rad / settings.turned_rad) ** 2)
         # The older half as many looks ago as are remembered, the lighter.
         kept = 1.0 - weight / settings.memory
-        self._sum = kept * self._sum + weight * strangeness(look, misfits, settings)
+        said = strangeness(look, misfits, settings)
+        self._last = weight * min(max(said, -settings.most), settings.most)
+        self._sum = kept * self._sum + self._last
         self._weight = kept * self._weight + weight
 
 

@@ -60,7 +60,7 @@ def test_nothing_is_known_before_a_look_and_after_a_reset():
 def test_another_person_is_noticed_after_long_tracking():
     match = ProfileMatch()
     weigh(match, OWN[0], 200)
-    weigh(match, OTHERS[2], 6)
+    weigh(match, OTHERS[2], 8)
     assert match.is_other
 
 
@@ -68,7 +68,10 @@ def test_one_odd_look_after_many_good_ones_changes_nothing():
     match = ProfileMatch()
     weigh(match, OWN[0], 20)
     weigh(match, OTHERS[0])
-    assert match.is_own
+    # It asks for another look, though.
+    assert match.is_own and match.is_unsure
+    weigh(match, OWN[0])
+    assert not match.is_unsure
 
 
 def test_turned_heads_say_nothing():
@@ -91,7 +94,7 @@ def test_of_a_failing_regressor_only_the_landmarks_count():
     for _ in range(4):
         match.weigh(None, OWN[0][2], 0.0)
     assert match.is_own
-    for _ in range(6):
+    for _ in range(12):
         match.weigh(None, OTHERS[2][2], 0.0)
     assert match.is_other
 
