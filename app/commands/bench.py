@@ -16,9 +16,11 @@ from app.models import Models, live_tracker, load_models
 from app.painting import AvatarPainter, make_avatar
 from app.performer.opening import Scenario, open_performer, setup_pictures
 from app.setup_steps import Pictures, make_profile, unseen
+from core.camera import project
+from core.evaluation import frame_rmse_px
 from core.live import tracker_model
 from core.plain_json import json_text
-from core.records import FaceState, Frame, Progress, SetupImages
+from core.records import FaceState, FloatArray, Frame, Progress, SetupImages
 from core.regressor import Regression
 from core.setup_plan import standard_for
 from core.store import Profile
@@ -108,7 +110,7 @@ def measure_live(models: Models, profile: Profile, frames: list[Frame]) -> list[
     states: list[FaceState] = []
     step_ms = times_ms(lambda frame: states.append(live.step(frame)), frames)
     regression = Regression(profile.regressor, profile.camera)
-    previous = profile.shapes.points_mm[0]
+    previous = nearest_shape(profile, states[0])
     shapes = []
 
     def regress(frame: Frame) -> None:
@@ -124,6 +126,14 @@ def measure_live(models: Models, profile: Profile, frames: list[Frame]) -> list[
         Row("tracking", track_ms, "ms", target=0.3, paper=8.0),
         Row("whole live step", step_ms, "ms", paper=15.0),
     ]
+
+
+def nearest_shape(profile: Profile, state: FaceState) -> FloatArray:
+    """Return the setup shape (Q, 3) that lies nearest to a tracked face in the picture."""
+    n_landmarks = len(state.landmarks_px)
+    places = project(profile.camera, profile.shapes.points_mm[:, :n_landmarks])
+    nearest = int(frame_rmse_px(places, state.landmarks_px).argmin())
+    return np.asarray(profile.shapes.points_mm[nearest])
 
 
 def measure_aligner(models: Models, frames: list[Frame]) -> list[Row]:
