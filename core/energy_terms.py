@@ -92,7 +92,7 @@ class JointSettings:
     noise_s: float = 0.5
     robust: float = 4.0
     outline_weight: float = 0.4
-    slope: float = 2.5
+    slope: float = 4.0
     spread_scale: float = 1.5
     memory: float = 0.12
     escape: float = 0.1
