@@ -10,6 +10,7 @@ from core.landmarks import N_INTERNAL
 from core.records import U8, FaceState, FloatArray, Frame, Landmarks2D
 from core.setup_plan import Shot
 from core.shot_match import (
+    LAST_SEEN_RAD,
     Match,
     MatchSettings,
     follows_unseen,
@@ -27,6 +28,8 @@ UNSEEN_PAUSE_S = 2.0
 #: Frames over which the camera's speed is measured.
 _SPEED_FRAMES = 30
 _BLOCKS = 16
+#: Heads turned less tell where the user sits; share of the way that each frame goes there.
+_FRONTAL_RAD, _SETTLING = float(np.deg2rad(20)), 0.05
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,6 +88,7 @@ class CaptureJudge:
         self._angles = np.zeros(3)
         self._best: Taken | None = None
         self._rest: FloatArray | None = None
+        self._seat_mm: FloatArray | None = None
 
     def ask(self, shot: Shot | None) -> None:
         """Wait for another prompt to be followed; None takes no pictures."""
@@ -141,13 +145,23 @@ class CaptureJudge:
     def _match(self, state: FaceState, seen: Landmarks2D | None) -> Match | None:
         if seen is None:
             return None
-        rest = self._rest
-        if rest is None:
-            rest = quaternion_from_matrix(rotation_facing_camera(state.translation_mm))
-        self._angles = head_angles(state.rotation_wxyz, rest)
+        self._angles = head_angles(state.rotation_wxyz, self._facing(state))
         if self._shot is None:
             return None
         return match(self._shot, self._angles, state.expression, self._settings.match)
+
+    def _facing(self, state: FaceState) -> FloatArray:
+        """Return the rotation of a head that looks into the camera from the user's seat.
+
+        A turned head is not where it looks straight ahead: only frontal ones tell the seat.
+        """
+        if self._rest is not None:
+            return self._rest
+        if self._seat_mm is None:
+            self._seat_mm = state.translation_mm
+        elif np.abs(self._angles).max() < _FRONTAL_RAD:
+            self._seat_mm = self._seat_mm + _SETTLING * (state.translation_mm - self._seat_mm)
+        return quaternion_from_matrix(rotation_facing_camera(self._seat_mm))
 
     def _shoot(
         self, frame: Frame, seen: Landmarks2D | None, advice: str, matched: Match | None,
@@ -196,7 +210,7 @@ def weakness(taken: Taken) -> str:
     """Return why a picture is weak, for people; "" for a good one."""
     quality = taken.quality
     if taken.landmarks is None:
-        return "no face was seen"
+        return "" if abs(taken.shot.yaw) > LAST_SEEN_RAD else "no face was seen"
     if quality.get("trouble"):
         return str(quality["trouble"]).replace("_", " ")
     if not quality.get("pose", True):

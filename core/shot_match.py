@@ -19,11 +19,13 @@ class MatchSettings:
 
     Attributes:
         angle_rad: Error of each head angle.
+        angle_share: And this share of a large turn, which is both made and measured less exactly.
         share: Share of an asked coefficient that must be reached, for the strongest ones.
         other: A coefficient that is not asked for may go so far in a neutral prompt.
     """
 
     angle_rad: float = float(np.deg2rad(9))
+    angle_share: float = 0.12
     share: float = 0.4
     other: float = 0.35
 
@@ -82,7 +84,7 @@ def match(
     errors = np.abs(turn)
     if beyond:
         errors[0] = 0.0
-    pose = bool(np.all(errors < settings.angle_rad))
+    pose = bool(np.all(errors < settings.angle_rad + settings.angle_share * np.abs(asked)))
     reached = _reached(shot, expression)
     calm = bool(shot.standard.any() or np.max(expression[_FACE]) < settings.other)
     return Match(turn, pose, bool(reached >= settings.share) and calm, reached)

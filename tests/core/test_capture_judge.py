@@ -1,5 +1,7 @@
 """Facts about taking setup pictures hands-free."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -96,7 +98,24 @@ def test_a_profile_is_taken_after_the_face_went_out_of_sight_on_the_right_side(g
     judge.ask(BY_NAME["pose_yaw-90"])
     play(judge, gray, state_of((-45, 0, 0)), n_frames=3)
     (picture,) = taken(play(judge, gray, state_of(lost=True), seen=False, start=3))
-    assert picture.landmarks is None and weakness(picture) == "no face was seen"
+    assert picture.landmarks is None and weakness(picture) == ""
+
+
+def test_a_picture_by_hand_without_a_face_is_weak(gray):
+    judge = CaptureJudge()
+    judge.ask(BY_NAME["pose_yaw-30"])
+    judge.shoot_now()
+    (picture,) = taken(play(judge, gray, state_of(lost=True), n_frames=1, seen=False))
+    assert weakness(picture) == "no face was seen"
+
+
+def test_a_turned_head_that_has_moved_aside_is_measured_from_the_seat(gray):
+    judge = CaptureJudge()
+    play(judge, gray, state_of(), n_frames=3)
+    judge.ask(BY_NAME["pose_yaw+60"])
+    aside = replace(state_of((60, 0, 0)), translation_mm=[120.0, 0, 600.0])
+    last = play(judge, gray, aside, n_frames=3, start=3)[-1]
+    assert np.abs(np.rad2deg(last.match.turn_rad)).max() < 6
 
 
 def test_a_face_that_left_is_not_a_profile(gray):
