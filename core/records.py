@@ -155,7 +155,7 @@ class ModelFit:
         rotations_wxyz: (N, 4) model to camera.
         translations_mm: (N, 3).
         landmark_vertices: (N, L) vertex of each landmark, contour updated per image.
-        rms_px: (N,) landmark distance after the fit.
+        rms_px: (N,) landmark distance after the fit; NaN where the pose is only a guess.
         offsets_mm: (60, 3) displacement of the internal landmarks from the model's surface, in
             the model frame: what the identity weights cannot express.
     """
@@ -220,7 +220,7 @@ class SetupShapes:
         rotations_wxyz: (N, 4) model to camera.
         translations_mm: (N, 3).
         coefficients: (N, B) in [0, 1].
-        rms_px: (N,) landmark distance after the fit.
+        rms_px: (N,) landmark distance after the fit; NaN where the shape is only a guess.
     """
 
     points_mm: FloatArray

@@ -178,7 +178,8 @@ def shape_errors_mm(profile: Profile, truths: Mapping[str, Truth]) -> float:
     both are moved to the origin and scaled to the same size.
     """
     distances = []
-    for name, found in zip(profile.names, profile.shapes.points_mm, strict=True):
+    measured = np.flatnonzero(np.isfinite(profile.shapes.rms_px)).tolist()
+    for name, found in ((profile.names[n], profile.shapes.points_mm[n]) for n in measured):
         true = truths[name].points_mm - truths[name].points_mm.mean(axis=0)
         here = found - found.mean(axis=0)
         scale = np.sum(here * true) / np.sum(here**2)
