@@ -2,7 +2,9 @@
 
 The aligner sees no face at +-90 degrees. Such a picture is not left out: the person is known from
 the others and the pose from the prompt. Nothing is measured in it until the user places points;
-with enough of them it is fitted like every other picture.
+with enough of them it is fitted like every other picture. Until then it is not trained on: the
+guesses are off by 3 to 10 px, and training on them made the virtual performer's error on heads
+turned beyond 40 degrees 5.0 px instead of 2.6.
 """
 
 from collections.abc import Sequence
