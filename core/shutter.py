@@ -6,6 +6,9 @@ import numpy as np
 
 from core.records import FloatArray
 
+#: Longest time between two frames of a slow camera.
+_FRAME_S = 0.1
+
 
 @dataclass(frozen=True, slots=True)
 class ShutterSettings:
@@ -15,13 +18,15 @@ class ShutterSettings:
         hold_s: So long the face must be right and still.
         burst_s: And so long it is looked at for the best picture, from then on.
         still: Movement per second, in parts of the face's size, that counts as still.
+        still_over_s: Time over which movement is measured: landmarks tremble from frame to frame.
         grace_s: A shorter lapse while holding is forgiven.
         pause_s: After a picture nothing is shot for so long.
     """
 
     hold_s: float = 0.6
     burst_s: float = 0.25
-    still: float = 0.25
+    still: float = 0.15
+    still_over_s: float = 0.2
     grace_s: float = 0.12
     pause_s: float = 0.5
 
@@ -46,8 +51,8 @@ class Shutter:
 
     def __init__(self, settings: ShutterSettings | None = None) -> None:
         self._settings = settings or ShutterSettings()
-        self._previous: FloatArray | None = None
-        self._previous_s, self._idle_until_s = -np.inf, -np.inf
+        self._past: list[tuple[float, FloatArray]] = []
+        self._idle_until_s = -np.inf
         self._start_over()
 
     def reset(self, time_s: float) -> None:
@@ -92,11 +97,17 @@ class Shutter:
         return ShutterState("done", 1.0, best)
 
     def _is_still(self, points_px: FloatArray | None, time_s: float) -> bool:
-        """Return whether the points have hardly moved since the last frame."""
-        before, self._previous = self._previous, points_px
-        gap_s, self._previous_s = time_s - self._previous_s, time_s
-        if before is None or points_px is None or before.shape != points_px.shape or gap_s <= 0:
+        """Return whether the points are about where they were a moment ago."""
+        same = points_px is not None and all(one.shape == points_px.shape for _, one in self._past)
+        if points_px is None or not same:
+            self._past = [] if points_px is None else [(time_s, points_px)]
+            return False
+        since_s = time_s - self._settings.still_over_s
+        self._past = [one for one in self._past if one[0] >= since_s - _FRAME_S]
+        self._past.append((time_s, points_px))
+        then_s, before = self._past[0]
+        if then_s > since_s + _FRAME_S:
             return False
         size = max(float(np.ptp(points_px, axis=0).max()), 1.0)
         moved = float(np.sqrt(np.mean(np.sum((points_px - before) ** 2, axis=1))))
-        return moved / size / gap_s < self._settings.still
+        return moved / size / (time_s - then_s) < self._settings.still

@@ -104,8 +104,9 @@ def user_of(way: Way, tracker: FrameTracker, source: FrameSource) -> UserBlendsh
 
     if way.profile is not None:
         return way.profile.user
-    learned = isinstance(tracker, FreeTracker) and not source.live
-    return tracker.user if learned else None
+    if isinstance(tracker, FreeTracker) and not source.live:
+        return tracker.user
+    return None
 
 
 def _film(

@@ -8,7 +8,7 @@ from app.controllers.meter import Meter
 from app.controllers.player import Opened, Performer, Player, Wanted
 from app.controllers.profile_maker import MadeProfile, ProfileMaker
 from app.controllers.scene import AvatarScene
-from app.controllers.tools import Tools
+from app.controllers.tools import Guided, Tools
 from app.errors import AppError
 from app.sources import PERFORMER
 from app.views.choice import Choice
@@ -31,6 +31,7 @@ LASTING_S = 3.0
 #: Below this average confidence the user is told that something is wrong.
 DOUBTFUL = 0.25
 
+SETTING_UP = "The guided setup uses the camera."
 NO_CAMERA = "No camera was found.\nPlug one in, or try facepuppet without:"
 NO_PICTURE = "There is no picture."
 INVITATION = (
@@ -64,6 +65,7 @@ class LiveController(QObject):
         self._scene = AvatarScene(tools, tools.avatars()[0].key, self)
         self._player = Player(tools, self._on_solved, self)
         self._maker = ProfileMaker(self)
+        self._guided: Guided | None = None
         self._timer = QTimer(self)
         self._timer.timeout.connect(self._look_around)
         self._connect_window(window)
@@ -84,6 +86,8 @@ class LiveController(QObject):
     def stop(self) -> None:
         """End all threads; the source is closed."""
         self._timer.stop()
+        if self._guided is not None:
+            self._guided.close()
         self._maker.stop()
         self._player.stop()
         self._scene.stop()
@@ -96,6 +100,7 @@ class LiveController(QObject):
         window.profile_chosen.connect(lambda key: self._want(self._wanted.source, key))
         window.avatar_chosen.connect(self._on_avatar_chosen)
         window.new_profile_wanted.connect(self._on_new_profile_wanted)
+        window.guided_wanted.connect(self._on_guided_wanted)
         window.cancel_wanted.connect(self._maker.cancel)
         window.closing.connect(self.stop)
 
@@ -257,6 +262,24 @@ class LiveController(QObject):
         return self._state.mode + doubt
 
     # -- making a profile ----------------------------------------------------------------
+
+    def _on_guided_wanted(self) -> None:
+        """Leave the camera to the guided setup until its window is closed."""
+        if self._guided is not None:
+            self._guided.show()
+            return
+        camera = self._wanted.source if self._wanted.source.startswith("camera") else ""
+        self._player.play(None)
+        self._forget()
+        self._window.source_pane.say(SETTING_UP)
+        self._guided = self._tools.guided_setup(camera)
+        self._guided.finished.connect(self._on_guided_finished)
+        self._guided.show()
+
+    def _on_guided_finished(self, name: str) -> None:
+        """Go on, with the profile with which the user wanted to go live."""
+        self._guided = None
+        self._want(self._wanted.source, name or self._wanted.profile)
 
     def _on_new_profile_wanted(self, name: str, source: str) -> None:
         if self._maker.busy:

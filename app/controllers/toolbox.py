@@ -5,7 +5,7 @@ from contextlib import suppress
 from functools import cached_property, partial
 from pathlib import Path
 from threading import Lock
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,6 +31,9 @@ from core.free_warm_up import warm_up
 from core.generations import check_target
 from core.records import Progress
 from core.store import Profile, load
+
+if TYPE_CHECKING:
+    from app.controllers.guided import GuidedSetup
 
 #: Size of the avatar's picture.
 AVATAR_SIZE_PX = (640, 480)
@@ -113,6 +116,13 @@ class Toolbox:
         except AppError as error:
             return str(error)
         return "A name has no '/' in it." if "/" in name else ""
+
+    def guided_setup(self, source: str) -> "GuidedSetup":
+        """Return the guided setup, to be shown; the source is the camera to begin with."""
+        # The setup's tools are a toolbox themselves.
+        from app.controllers.guided import GuidedSetup
+
+        return GuidedSetup(source)
 
     def profile_steps(self, name: str, source: str) -> Generator[Progress, None, MadeProfile]:
         """Make and keep a profile.

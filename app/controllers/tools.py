@@ -3,11 +3,27 @@
 from collections.abc import Generator
 from typing import Protocol
 
+from PySide6.QtCore import SignalInstance
+
 from app.controllers.player import Opener
 from app.controllers.profile_maker import MadeProfile
 from app.controllers.scene import Studio
 from app.views.choice import Choice
 from core.records import Progress
+
+
+class Guided(Protocol):
+    """What is needed of the window of the guided setup."""
+
+    finished: SignalInstance  # name of the profile to go live with, or an empty text
+
+    def show(self) -> None:
+        """Show the window, in front of all others."""
+        ...
+
+    def close(self) -> object:
+        """Close it; everything taken is kept."""
+        ...
 
 
 class Tools(Opener, Studio, Protocol):
@@ -31,6 +47,10 @@ class Tools(Opener, Studio, Protocol):
 
     def name_trouble(self, name: str) -> str:
         """Return what is wrong with the name of a new profile, or an empty text."""
+        ...
+
+    def guided_setup(self, source: str) -> Guided:
+        """Return the guided setup, to be shown; the source is the camera to begin with."""
         ...
 
     def profile_steps(self, name: str, source: str) -> Generator[Progress, None, MadeProfile]:

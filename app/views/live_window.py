@@ -38,6 +38,7 @@ class LiveWindow(QMainWindow):
     sources_wanted = Signal()  # the list of sources is to be renewed
     profile_chosen = Signal(str)
     new_profile_wanted = Signal(str, str)  # name, source
+    guided_wanted = Signal()
     cancel_wanted = Signal()
     avatar_chosen = Signal(str)
     closing = Signal()
@@ -126,6 +127,7 @@ class LiveWindow(QMainWindow):
         dialog = NewProfileDialog(self._name_trouble, self.profiles.keys[1:], self._performer, self)
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         dialog.wanted.connect(self.new_profile_wanted)
+        dialog.guided_wanted.connect(self.guided_wanted)
         dialog.open()
 
     def closeEvent(self, event: QCloseEvent) -> None:

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import (
     QDialog,
     QDialogButtonBox,
     QFormLayout,
+    QFrame,
     QHBoxLayout,
     QLabel,
     QLineEdit,
@@ -19,8 +20,12 @@ from PySide6.QtWidgets import (
 from app.views.choice import Choice
 from app.views.files import ask_for_folder, ask_for_video
 
+GUIDED = (
+    "Best: let yourself be asked for up to 60 faces and head turns. The pictures are taken by "
+    "themselves; it takes about five minutes."
+)
 ADVICE = (
-    "Record one minute with the webcam you will use: look straight ahead with a relaxed face, "
+    "Or record one minute with the webcam you will use: look straight ahead with a relaxed face, "
     "turn the head slowly to all sides, then speak and make all the faces you can, also with "
     "the head turned. Light from the front helps. Everything stays on this computer."
 )
@@ -30,6 +35,7 @@ class NewProfileDialog(QDialog):
     """Says what is wrong while it is typed; emits the wish when all is well."""
 
     wanted = Signal(str, str)  # name, source
+    guided_wanted = Signal()
 
     def __init__(
         self,
@@ -69,6 +75,11 @@ class NewProfileDialog(QDialog):
         return self._extra.key if text == self._extra.text else text
 
     def _build(self) -> None:
+        guided = QPushButton("&Guided setup with the camera…")
+        guided.setDefault(True)
+        guided.clicked.connect(self._on_guided)
+        best = QLabel(GUIDED)
+        best.setWordWrap(True)
         advice = QLabel(ADVICE)
         advice.setWordWrap(True)
         self.source.setPlaceholderText("A video file or a folder of pictures")
@@ -86,11 +97,18 @@ class NewProfileDialog(QDialog):
         self.buttons.rejected.connect(self.reject)
         layout = QVBoxLayout(self)
         layout.setSpacing(12)
+        layout.addWidget(best)
+        layout.addWidget(guided)
+        layout.addWidget(_line())
         layout.addWidget(advice)
         layout.addLayout(form)
         layout.addWidget(self._remark)
         layout.addWidget(self.buttons)
         self.setMinimumWidth(70 * self.fontMetrics().averageCharWidth())
+
+    def _on_guided(self) -> None:
+        self.reject()
+        self.guided_wanted.emit()
 
     def _make_browsers(self) -> QWidget:
         row = QWidget()
@@ -134,3 +152,10 @@ class NewProfileDialog(QDialog):
         if name in self._taken:
             return f"The profile {name} will be replaced when the new one is complete.", True
         return "Making a profile takes one to two minutes.", True
+
+
+def _line() -> QFrame:
+    line = QFrame()
+    line.setFrameShape(QFrame.Shape.HLine)
+    line.setFrameShadow(QFrame.Shadow.Sunken)
+    return line

@@ -2,7 +2,7 @@ import re
 
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QAbstractButton, QComboBox, QFileDialog
 
@@ -475,3 +475,54 @@ def quicken(monkeypatch):
 def moved(before, now):
     """Share of the pixels that have changed clearly."""
     return (np.abs(before - now).max(axis=2) > 24).mean()
+
+
+class FakeGuided(QObject):
+    finished = Signal(str)
+
+    def __init__(self, source):
+        super().__init__()
+        self.source, self.shown, self.closed = source, 0, False
+
+    def show(self):
+        self.shown += 1
+
+    def close(self):
+        self.closed = True
+        self.finished.emit("")
+
+
+def test_the_guided_setup_gets_the_camera_and_gives_it_back(live, qtbot):
+    toolbox, made = FakeToolbox(), []
+    toolbox.guided_setup = lambda source: made.append(FakeGuided(source)) or made[-1]
+    window = live(toolbox)
+    qtbot.waitUntil(plays(window, CAMERA), timeout=5000)
+    window.guided_wanted.emit()
+    qtbot.waitUntil(lambda: not toolbox.open_now, timeout=5000)
+    assert made[0].source == CAMERA and made[0].shown == 1
+    window.guided_wanted.emit()
+    assert len(made) == 1 and made[0].shown == 2
+    toolbox.profile_names.append("me")
+    made[0].finished.emit("me")
+    qtbot.waitUntil(plays(window, CAMERA), timeout=5000)
+    assert window.profiles.currentText() == "me"
+
+
+def test_closing_the_live_window_closes_the_guided_setup(live, qtbot):
+    toolbox, made = FakeToolbox(), []
+    toolbox.guided_setup = lambda source: made.append(FakeGuided(source)) or made[-1]
+    window = live(toolbox)
+    window.guided_wanted.emit()
+    window.close()
+    assert made[0].closed
+
+
+def test_the_dialog_of_new_profiles_offers_the_guided_setup_first(live, qtbot):
+    toolbox = FakeToolbox()
+    toolbox.guided_setup = FakeGuided
+    window = live(toolbox)
+    window.ask_for_profile()
+    dialog = window.findChild(NewProfileDialog)
+    (guided,) = [one for one in dialog.findChildren(QAbstractButton) if "Guided" in one.text()]
+    with qtbot.waitSignal(window.guided_wanted, timeout=2000):
+        guided.click()

@@ -1,5 +1,7 @@
 """Facts about the performer who stands in for a camera in the guided setup."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -21,7 +23,7 @@ def test_a_prompt_is_followed_and_its_pose_held(performer):
     performer.follow("pose_yaw+30")
     frames = watch(performer, 75)
     levels = [frame.gray.astype(float) for frame in frames[::8]]
-    changes = [np.abs(a - b).mean() for a, b in zip(levels, levels[1:], strict=False)]
+    changes = [np.abs(a - b).mean() for a, b in pairwise(levels)]
     assert max(changes[:6]) > 1.0
     assert changes[-1] == 0.0
     assert [frame.index for frame in frames] == list(range(75))
