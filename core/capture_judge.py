@@ -1,6 +1,6 @@
 """Watches live frames while a prompt is followed, and takes the picture by itself."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -28,6 +28,8 @@ UNSEEN_PAUSE_S = 2.0
 #: Frames over which the camera's speed is measured.
 _SPEED_FRAMES = 30
 _BLOCKS = 16
+#: From when to when less of an expression is asked for, and how much less in the end.
+_PATIENCE = (3.0, 9.0, 0.25)
 #: Heads turned less tell where the user sits; share of the way that each frame goes there.
 _FRONTAL_RAD, _SETTLING = float(np.deg2rad(20)), 0.05
 
@@ -125,7 +127,7 @@ class CaptureJudge:
             sharp if points is not None else float("nan"), self._fps(frame.time_s),
         )  # fmt: skip
         found = troubles(looked, self._settings.quality)
-        matched = self._match(state, seen)
+        matched = self._match(state, seen, frame.time_s)
         unseen = (
             seen is None and self._shot is not None and follows_unseen(self._shot, self._angles)
         )
@@ -142,13 +144,16 @@ class CaptureJudge:
         known = len(self._times) > _SPEED_FRAMES // 2 and span_s > 0
         return (len(self._times) - 1) / span_s if known else float("nan")
 
-    def _match(self, state: FaceState, seen: Landmarks2D | None) -> Match | None:
+    def _match(self, state: FaceState, seen: Landmarks2D | None, frame_s: float) -> Match | None:
         if seen is None:
             return None
         self._angles = head_angles(state.rotation_wxyz, self._facing(state))
         if self._shot is None:
             return None
-        return match(self._shot, self._angles, state.expression, self._settings.match)
+        tried_s = 0.0 if np.isnan(self._asked_s) else frame_s - self._asked_s
+        asked = self._settings.match
+        patient = replace(asked, share=asked.share * patience(tried_s))
+        return match(self._shot, self._angles, state.expression, patient)
 
     def _facing(self, state: FaceState) -> FloatArray:
         """Return the rotation of a head that looks into the camera from the user's seat.
@@ -194,6 +199,15 @@ class CaptureJudge:
                 "reached": matched.reached, "pose": matched.pose,
             }  # fmt: skip
         return facts
+
+
+def patience(tried_s: float) -> float:
+    """Return the share of the usual demand on an expression after so long a try.
+
+    Nobody makes all of them well, and faces differ: who has tried is not held up.
+    """
+    early_s, late_s, least = _PATIENCE
+    return float(np.interp(tried_s, [early_s, late_s], [1.0, least]))
 
 
 def block_points(gray: U8) -> FloatArray:

@@ -154,3 +154,15 @@ def test_a_slow_camera_is_told_and_still_used(gray):
     judge.ask(BY_NAME["pose_yaw+0"])
     judged = [judge.step(frame_of(gray, 4 * n), state_of(), landmarks()) for n in range(40)]
     assert judged[-1].advice == "slow" and taken(judged)
+
+
+def test_who_hardly_manages_an_expression_is_asked_for_less_in_time(gray):
+    little = np.zeros(46)
+    for side in ("Left", "Right"):
+        little[EXPRESSION_NAMES.index(f"browDown{side}")] = 0.15
+    judge = CaptureJudge()
+    judge.ask(BY_NAME["anger_yaw+0"])
+    judged = play(judge, gray, state_of(expression=little), n_frames=330)
+    first = next(n for n, one in enumerate(judged) if one.taken is not None)
+    assert 4 < first / FPS < 10
+    assert weakness(judged[first].taken) == "the expression was hardly made"
