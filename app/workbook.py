@@ -16,7 +16,7 @@ from core.face_model import FaceModel
 from core.generations import HEADER_NAME
 from core.landmark_edit import points_of
 from core.landmark_guess import guess_landmarks, placed_kept
-from core.model_fit import FitSettings, fit_model
+from core.model_fit import LEAST_LANDMARKS, FitSettings, fit_model, trusted_landmarks
 from core.pipeline import usable_pictures
 from core.records import (
     U8,
@@ -83,6 +83,12 @@ class Workbook:
         """The pictures' names: prompts in their order, then others as they came."""
         prompts = [shot.name for shot in SHOTS if shot.name in self._landmarks]
         return (*prompts, *(name for name in self._landmarks if name not in prompts))
+
+    @property
+    def n_usable(self) -> int:
+        """How many pictures show a face well enough to be trained on."""
+        marks = self._landmarks.values()
+        return sum(trusted_landmarks(one) >= LEAST_LANDMARKS for one in marks)
 
     @property
     def outdated(self) -> bool:

@@ -161,8 +161,7 @@ class SetupController(QObject):
         self.show(keys[keys.index(self._step) + 1])
 
     def _unlocked(self) -> dict[str, bool]:
-        n_pictures = len(self._book.names) if self._book is not None else 0
-        enough = n_pictures >= LEAST_PICTURES
+        enough = self._book is not None and self._book.n_usable >= LEAST_PICTURES
         return {
             "start": True, "capture": self._book is not None, "check": enough, "train": enough,
         }  # fmt: skip

@@ -78,11 +78,11 @@ class TrainingController(QObject):
         if book is None:
             return
         n_pictures, trained = len(book.names), book.profile is not None
-        enough = n_pictures >= LEAST_PICTURES
+        enough = book.n_usable >= LEAST_PICTURES
         if self._maker.busy:
             text = "Training. You can go on looking at landmarks meanwhile."
         elif not enough:
-            text = f"{n_pictures} pictures are there, at least {LEAST_PICTURES} are needed."
+            text = f"{book.n_usable} pictures show a face, at least {LEAST_PICTURES} are needed."
         elif trained and not book.outdated:
             text = f"Trained with {n_pictures} pictures."
         elif trained:

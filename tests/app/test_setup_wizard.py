@@ -155,7 +155,7 @@ def test_steps_unlock_in_order(qtbot, setup):
     assert setup.controller.step == "capture" and not window.next_button.isEnabled()
     setup.controller.show("train")
     assert setup.controller.step == "capture"
-    shoot(qtbot, setup, 10)
+    shoot(qtbot, setup, 14)
     assert window.next_button.isEnabled()
     close(setup)
 
@@ -320,7 +320,7 @@ def test_a_full_disk_is_told_and_the_prompt_stays(qtbot, setup, monkeypatch):
 
 def test_landmarks_can_be_put_right_before_the_training(qtbot, setup):
     begin(qtbot, setup)
-    shoot(qtbot, setup, 10)
+    shoot(qtbot, setup, 14)
     setup.window.next_button.click()
     qtbot.waitUntil(lambda: setup.controller.editor is not None, timeout=10000)
     assert setup.controller.step == "check" and not setup.tools.open_now
@@ -335,14 +335,14 @@ def test_landmarks_can_be_put_right_before_the_training(qtbot, setup):
 
 def test_training_begins_with_all_pictures_and_plots_the_focal_length(qtbot, setup):
     begin(qtbot, setup)
-    shoot(qtbot, setup, 12)
+    shoot(qtbot, setup, 14)
     setup.controller.show("train")
     page = setup.window.train
     assert page.train_button.isEnabled() and not page.live_button.isEnabled()
     with qtbot.waitSignal(setup.controller.training.trained, timeout=5000):
         page.train_button.click()
     qtbot.waitUntil(lambda: page.job_row.isHidden(), timeout=5000)
-    assert len(setup.tools.trained_with[0]) >= 12
+    assert len(setup.tools.trained_with[0]) >= 14
     assert page._curve.getData()[0].tolist() == [600.0]
     close(setup)
 
@@ -383,7 +383,7 @@ def test_a_report_without_a_test_is_shown_as_far_as_it_goes():
 
 def test_a_picture_of_the_report_opens_in_the_editor(qtbot, setup):
     begin(qtbot, setup)
-    shoot(qtbot, setup, 10)
+    shoot(qtbot, setup, 14)
     setup.controller.show("train")
     name = ORDER[2].name
     setup.controller.training.picture_wanted.emit(name)
