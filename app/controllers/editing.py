@@ -316,11 +316,11 @@ def is_placed(landmarks: Landmarks2D) -> bool:
 
 
 def title_of(name: str) -> str:
-    """Return a picture's name as people read it: "pose_yaw-30" is "pose, yaw -30°"."""
+    """Return a picture's name as people read it: "smile_yaw-30" is "smile -30°"."""
     for angle in ANGLES:
         what, found, degrees = name.rpartition(f"_{angle}")
         if found:
-            return f"{what.replace('_', ' ')}, {angle} {degrees}°"
+            return f"{angle if what == 'pose' else what.replace('_', ' ')} {degrees}°"
     return name.replace("_", " ")
 
 

@@ -193,7 +193,9 @@ class SetupController(QObject):
         if self._step != "check":
             return
         editor = EditorWindow(book.folder.name)
+        # Training has a page of its own here.
         editor.retrain_button.setVisible(False)
+        editor.outdated_label.setVisible(False)
         self._window.set_check_page(editor)
         self._editor = EditorController(editor, book, lambda: refitter, self._tools.train)
         self._editor.start(picture)
