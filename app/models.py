@@ -47,6 +47,8 @@ class Looking:
     measured: bool = False
 
 
+#: Seconds at the beginning of a recording from which a face is learned without a profile.
+LEARNING_S = 4.0
 #: For live sources: as often as is needed and as this machine can.
 LIVE = Looking("adaptive", measured=True)
 

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 TRAINED, FREE, AUTO = "trained", "free", "auto"
 MODES = (TRAINED, FREE, AUTO)
-#: Seconds at the beginning of a recording from which a face is learned without a profile.
-LEARNING_S = 4.0
 
 
 class ModeError(AppError):
@@ -97,6 +95,8 @@ class Way:
 
 def learn(tracker: "FreeTracker", name: str) -> None:
     """Let a tracker see the beginning of a recording, and forget where the face was."""
+    from app.models import LEARNING_S
+
     with open_source(name) as beginning:
         for _ in range(round(LEARNING_S * beginning.fps)):
             frame = beginning.read()

@@ -54,7 +54,6 @@ class CaptureController(QObject):
     """Joins the capture page with a source, the judge and a workbook."""
 
     changed = Signal()  # a picture was kept or dropped
-    finished = Signal()  # all wanted prompts are there
 
     def __init__(self, page: CapturePage, tools: Tools, parent: QObject | None = None) -> None:
         super().__init__(parent or page)
@@ -135,8 +134,6 @@ class CaptureController(QObject):
         missing = self.missing
         left = [name for name in missing if name not in self._skipped]
         self._ask(left[0] if left else None)
-        if not left:
-            self.finished.emit()
 
     def _ask(self, name: str | None) -> None:
         self._shot = next((shot for shot in SHOTS if shot.name == name), None)

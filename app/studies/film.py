@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from app.capture.source import FrameSource, expected_frames
-from app.models import Models
+from app.models import LEARNING_S, Models
 from app.performer.opening import Scenario, open_performer
 from core.energy_tracker import EnergySettings
 from core.evaluation import Truth
@@ -17,9 +17,6 @@ from core.free_live import FreeSettings, FreeTracker
 from core.landmark_flow import FlowSettings, Followed, LandmarkFollower
 from core.landmarks import N_INTERNAL
 from core.records import Camera, FaceState, FloatArray, Frame, Progress, UserBlendshapes
-
-#: Seconds at the beginning of a recording from which `track` learns a face without a profile.
-LEARNING_S = 4.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -3,11 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QFontMetrics, QImage, QPainter, QPen
+from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPen
 from PySide6.QtWidgets import (
     QAbstractItemView,
-    QListWidget,
     QListWidgetItem,
     QStyle,
     QStyledItemDelegate,
@@ -15,10 +14,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from app.views.cell_list import CELL_ROLE, THUMB_ROLE, CellList
 from app.views.editor.painting import small
 
 THUMB = QSize(116, 87)
-_THUMB, _CELL = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1
 #: Level of suspicion -> bar's colour and the word beside it.
 LEVELS = {
     "good": (QColor(0, 158, 115), "good"),
@@ -46,74 +45,38 @@ class Cell:
     edited: bool
 
 
-class Filmstrip(QListWidget):
+class Filmstrip(CellList):
     """A column of thumbnails."""
 
-    chosen = Signal(str)
-
     def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setAccessibleName("Pictures, the most suspicious first")
+        super().__init__("Pictures, the most suspicious first", parent)
         self.setItemDelegate(_CellPainter(self))
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setUniformItemSizes(True)
         self.setFixedWidth(THUMB.width() + 46)
-        self.currentItemChanged.connect(self._on_current)
-        self._filling = False
-
-    @property
-    def names(self) -> list[str]:
-        """The pictures' names in the order shown."""
-        return [self._cell(row).name for row in range(self.count())]
+        self.currentItemChanged.connect(self._choose)
 
     def show_cells(self, cells: Sequence[Cell], current: str) -> None:
-        """List pictures anew; thumbnails of those that stay are kept."""
-        thumbs = {self._cell(row).name: self.item(row).data(_THUMB) for row in range(self.count())}
+        """List pictures, one of them as the one shown large."""
         self._filling = True
         self.clear()
         for cell in cells:
-            item = QListWidgetItem(self)
-            item.setData(_THUMB, thumbs.get(cell.name))
-            self._fill(item, cell)
+            _fill(QListWidgetItem(self), cell)
         self._filling = False
         self.show_current(current)
 
     def show_cell(self, cell: Cell) -> None:
         """Change what is said about one picture, in its place."""
-        for row in range(self.count()):
-            if self._cell(row).name == cell.name:
-                self._fill(self.item(row), cell)
+        item = self.item_of(cell.name)
+        if item is not None:
+            _fill(item, cell)
 
-    def show_thumb(self, name: str, image: QImage) -> None:
-        """Show a picture's thumbnail."""
-        for row in range(self.count()):
-            if self._cell(row).name == name:
-                self.item(row).setData(_THUMB, image)
 
-    def show_current(self, name: str) -> None:
-        """Mark the picture that is shown large."""
-        self._filling = True
-        for row in range(self.count()):
-            if self._cell(row).name == name:
-                self.setCurrentRow(row)
-                self.scrollToItem(self.item(row))
-        self._filling = False
-
-    def _fill(self, item: QListWidgetItem, cell: Cell) -> None:
-        item.setData(_CELL, cell)
-        item.setToolTip(f"{cell.title}: {cell.note}")
-        item.setData(Qt.ItemDataRole.AccessibleTextRole, f"{cell.title}, {LEVELS[cell.level][1]}")
-
-    def _cell(self, row: int) -> Cell:
-        cell = self.item(row).data(_CELL)
-        assert isinstance(cell, Cell)
-        return cell
-
-    def _on_current(self, item: QListWidgetItem | None) -> None:
-        if item is not None and not self._filling:
-            self.chosen.emit(item.data(_CELL).name)
+def _fill(item: QListWidgetItem, cell: Cell) -> None:
+    item.setData(CELL_ROLE, cell)
+    item.setToolTip(f"{cell.title}: {cell.note}")
+    item.setData(Qt.ItemDataRole.AccessibleTextRole, f"{cell.title}, {LEVELS[cell.level][1]}")
 
 
 class _CellPainter(QStyledItemDelegate):
@@ -133,7 +96,7 @@ class _CellPainter(QStyledItemDelegate):
         index: QModelIndex | QPersistentModelIndex,
     ) -> None:
         """Paint one cell."""
-        cell, thumb = index.data(_CELL), index.data(_THUMB)
+        cell, thumb = index.data(CELL_ROLE), index.data(THUMB_ROLE)
         painter.save()
         chosen = bool(option.state & QStyle.StateFlag.State_Selected)
         if chosen:

@@ -3,21 +3,20 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRectF, QSize, Qt, Signal
+from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPen
 from PySide6.QtWidgets import (
     QListView,
-    QListWidget,
     QListWidgetItem,
     QStyledItemDelegate,
     QStyleOptionViewItem,
     QWidget,
 )
 
+from app.views.cell_list import CELL_ROLE, THUMB_ROLE, CellList
 from app.views.editor.painting import small
 
 CELL = QSize(78, 62)
-_CELL, _THUMB = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1
 #: State -> colour of its bar; the mark beside it says the same.
 COLORS = {
     "missing": QColor(120, 124, 130), "good": QColor(0, 158, 115), "weak": QColor(230, 159, 0),
@@ -42,57 +41,43 @@ class SheetCell:
     note: str
 
 
-class ContactSheet(QListWidget):
+class ContactSheet(CellList):
     """A grid of prompts; a click retakes one."""
 
-    chosen = Signal(str)
-
     def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setAccessibleName("All prompts")
+        super().__init__("All prompts", parent)
         self.setViewMode(QListView.ViewMode.IconMode)
         self.setMovement(QListView.Movement.Static)
         self.setResizeMode(QListView.ResizeMode.Adjust)
-        self.setUniformItemSizes(True)
         self.setSpacing(2)
         self.setItemDelegate(_CellPainter(self))
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.itemClicked.connect(self._on_taken)
-        self.itemActivated.connect(self._on_taken)
+        self.itemClicked.connect(self._choose)
+        self.itemActivated.connect(self._choose)
 
     def states(self) -> dict[str, str]:
         """Return the state of every prompt."""
-        cells = (self.item(row).data(_CELL) for row in range(self.count()))
-        return {cell.name: cell.state for cell in cells}
+        return {cell.name: cell.state for cell in self.cells()}
 
     def show_cells(self, cells: Sequence[SheetCell]) -> None:
         """List the prompts."""
         self.clear()
         for cell in cells:
-            self._fill(QListWidgetItem(self), cell)
+            _fill(QListWidgetItem(self), cell)
 
     def show_cell(self, cell: SheetCell, thumb: QImage | None) -> None:
         """Change one prompt."""
-        for row in range(self.count()):
-            if self.item(row).data(_CELL).name == cell.name:
-                self.item(row).setData(_THUMB, thumb)
-                self._fill(self.item(row), cell)
+        item = self.item_of(cell.name)
+        if item is not None:
+            self.show_thumb(cell.name, thumb)
+            _fill(item, cell)
 
-    def show_current(self, name: str) -> None:
-        """Mark the prompt that is asked for."""
-        for row in range(self.count()):
-            if self.item(row).data(_CELL).name == name:
-                self.setCurrentRow(row)
-                self.scrollToItem(self.item(row))
 
-    def _fill(self, item: QListWidgetItem, cell: SheetCell) -> None:
-        item.setData(_CELL, cell)
-        told = f"{cell.title}: {cell.note}" if cell.note else cell.title
-        item.setToolTip(told)
-        item.setData(Qt.ItemDataRole.AccessibleTextRole, f"{told}, {cell.state}")
-
-    def _on_taken(self, item: QListWidgetItem) -> None:
-        self.chosen.emit(item.data(_CELL).name)
+def _fill(item: QListWidgetItem, cell: SheetCell) -> None:
+    item.setData(CELL_ROLE, cell)
+    told = f"{cell.title}: {cell.note}" if cell.note else cell.title
+    item.setToolTip(told)
+    item.setData(Qt.ItemDataRole.AccessibleTextRole, f"{told}, {cell.state}")
 
 
 class _CellPainter(QStyledItemDelegate):
@@ -111,7 +96,7 @@ class _CellPainter(QStyledItemDelegate):
         index: QModelIndex | QPersistentModelIndex,
     ) -> None:
         """Paint one cell."""
-        cell, thumb = index.data(_CELL), index.data(_THUMB)
+        cell, thumb = index.data(CELL_ROLE), index.data(THUMB_ROLE)
         box = QRectF(option.rect).adjusted(2, 2, -2, -2)
         painter.save()
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
