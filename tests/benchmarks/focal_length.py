@@ -4,7 +4,7 @@
 lenses, and prints the errors as a table. Exact landmarks are the truth with noise, as a careful
 person would place them, without an outline; of heads turned far only the near half is placed.
 Automatic ones are the generic aligner's. `--exact` leaves the automatic ones, which need pictures,
-out.
+out; `--noise PX` places the exact ones with other noise.
 """
 
 import argparse
@@ -69,11 +69,14 @@ def found_px(model: FaceModel, landmarks: list[tuple[str, Landmarks2D]]) -> floa
             return end.value.camera.focal_px
 
 
-def found_from_exact(model: FaceModel, person: str, focal_px: float, seed: int = 0) -> float:
+def found_from_exact(
+    model: FaceModel, person: str, focal_px: float, seed: int = 0, noise_px: float = NOISE_PX
+) -> float:
     """Return the focal length found from exact landmarks."""
     rng = np.random.default_rng(seed)
     shots = truths(model, person, focal_px, seed)
-    return found_px(model, [(name, exact_landmarks(one, focal_px, rng)) for name, one in shots])
+    placed = [(name, exact_landmarks(one, focal_px, rng, noise_px)) for name, one in shots]
+    return found_px(model, placed)
 
 
 def found_from_pictures(model: FaceModel, aligner, person: str, focal_px: float) -> float:
@@ -87,16 +90,17 @@ def main() -> None:
     """Print the errors in percent: a row per person, exact / automatic for each lens."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--exact", action="store_true", help="exact landmarks only")
-    exact_only = parser.parse_args().exact
+    parser.add_argument("--noise", type=float, default=NOISE_PX, metavar="PX")
+    args = parser.parse_args()
     model, aligner = load_face_model(asset("face_model.npz")), load_aligner()
     print("person " + "".join(f"{focal_px:>16.0f} px" for focal_px in FOCAL_LENGTHS_PX))
     for row, person in enumerate(PEOPLE):
         print(f"{person:7}", end="", flush=True)
         for column, focal_px in enumerate(FOCAL_LENGTHS_PX):
             # Other noise in every cell.
-            found = found_from_exact(model, person, focal_px, 3 * row + column)
+            found = found_from_exact(model, person, focal_px, 3 * row + column, args.noise)
             cell = f"{100 * (found / focal_px - 1):+.1f}"
-            if not exact_only:
+            if not args.exact:
                 found = found_from_pictures(model, aligner, person, focal_px)
                 cell += f" / {100 * (found / focal_px - 1):+.1f}"
             print(f"{cell:>19}", end="", flush=True)

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from app.performer.opening import FOCAL_LENGTHS_PX
+from app.performer.opening import FOCAL_LENGTHS_PX, PEOPLE
 from core.calibration import (
     CalibrationSettings,
     ChessboardError,
@@ -187,9 +187,10 @@ def test_calibration_refuses_a_picture_without_landmarks():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("name", PEOPLE)
 @pytest.mark.parametrize("focal_px", FOCAL_LENGTHS_PX)
-def test_landmarks_placed_with_care_give_the_focal_length_of_the_virtual_performer(focal_px):
-    found = found_from_exact(face_model(), "tomas", focal_px, seed=2)
+def test_true_landmarks_give_the_focal_length_of_every_virtual_performer(name, focal_px):
+    found = found_from_exact(face_model(), name, focal_px, noise_px=0.0)
     assert found == pytest.approx(focal_px, rel=0.02)
 
 
