@@ -5,9 +5,10 @@ import pytest
 
 from app.commands import modes
 from app.commands.evaluate import evaluate, report_text
-from app.commands.modes import FREE, LEARNING_S, TRAINED, Way, learn, way_of
+from app.commands.modes import FREE, TRAINED, Way, learn, way_of
 from app.commands.track import interrupt_ends, track
 from app.main import build_parser, main
+from app.models import LEARNING_S
 from app.recording.outputs import Outputs
 from core.blendshapes import mean_user
 from core.camera import camera_for
