@@ -1,6 +1,6 @@
 """The avatars by name, and painters that draw one as face states say."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -10,13 +10,14 @@ from app.avatars.painter import AvatarPainter as Drawer
 from app.avatars.painter import AvatarWish
 from app.avatars.views import Framing, overlay, portrait
 from app.render.avatar import Avatar
+from app.render.look import AvatarLook
 from app.render.renderer import Renderer
 from app.resources import asset
 from core.arkit import EXPRESSION_NAMES
 from core.face_model import FaceModel
 from core.geometry import multiply_quaternions
 from core.landmarks import N_LANDMARKS
-from core.records import U8, Camera, FaceState, FloatArray, UserBlendshapes
+from core.records import U8, Camera, FaceState, FloatArray, Frame, UserBlendshapes
 
 #: The user's own head, then the built-in ones.
 OWN = "own"
@@ -134,13 +135,20 @@ class LiveWish:
 
     Attributes:
         cast: Who.
-        state: What the face does.
-        delivered_s: When the frame came, on the clock of time.perf_counter; None: no frame.
+        state: What the avatar does.
+        delivered_s: When the frame came, on the clock of time.perf_counter; None: no frame, or
+            one that was painted before, in another look.
+        frame: What `state` was solved from, to be shown beside the avatar's picture.
+        solved: What the tracker found in the frame, before anything was made of it.
+        look: How the picture is taken.
     """
 
     cast: Cast
     state: FaceState
     delivered_s: float | None = None
+    frame: Frame | None = None
+    solved: FaceState | None = None
+    look: AvatarLook = field(default_factory=AvatarLook)
 
 
 class LivePainter:

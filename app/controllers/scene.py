@@ -1,14 +1,16 @@
 """The avatar's side of the live view: who plays, and pictures of nobody else."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Protocol
 
 from PySide6.QtCore import QObject, Qt, Signal
 
 from app.errors import AppError
 from app.painting import Cast, LiveWish, resting
+from app.render.look import AvatarLook
 from app.workers.avatar_loop import AvatarLoop, DrawingThread, Painted
-from core.records import FaceState, UserBlendshapes
+from core.records import FaceState, Frame, UserBlendshapes
 
 
 class Studio(Protocol):
@@ -32,7 +34,8 @@ class AvatarScene(QObject):
         self._studio, self.avatar = studio, avatar
         self._loop: AvatarLoop | None = None
         self._cast: Cast | None = None
-        self._state = resting()
+        self._look = AvatarLook()
+        self._last: LiveWish | None = None
 
     @property
     def plays(self) -> bool:
@@ -41,7 +44,7 @@ class AvatarScene(QObject):
 
     def enter(self, user: UserBlendshapes | None) -> None:
         """Let the chosen avatar play a user, at rest before the first state comes."""
-        self._state = resting()
+        self._last = None
         self._play(user)
 
     def become(self, user: UserBlendshapes) -> None:
@@ -59,12 +62,31 @@ class AvatarScene(QObject):
         if self._cast is not None:
             self._play(self._cast.user)
 
-    def show(self, state: FaceState, delivered_s: float) -> None:
-        """Ask for a picture of a state; called in the live thread."""
+    def show(
+        self,
+        driven: FaceState,
+        delivered_s: float,
+        frame: Frame | None = None,
+        solved: FaceState | None = None,
+    ) -> None:
+        """Ask for a picture of a state; called in the live thread.
+
+        Args:
+            driven: What the avatar does.
+            delivered_s: When the frame came, on the clock of time.perf_counter.
+            frame: The frame; comes back in the wish of `painted`.
+            solved: What the tracker found in it; comes back as well.
+        """
         loop, cast = self._loop, self._cast
-        self._state = state
         if loop is not None and cast is not None:
-            loop.ask(LiveWish(cast, state, delivered_s))
+            self._last = LiveWish(cast, driven, delivered_s, frame, solved, self._look)
+            loop.ask(self._last)
+
+    def look(self, look: AvatarLook) -> None:
+        """Take the pictures like this from now on, and the last one again at once."""
+        self._look = look
+        if self._cast is not None:
+            self._ask_again(self._cast)
 
     def stop(self) -> None:
         """End the render thread and wait for that."""
@@ -81,7 +103,13 @@ class AvatarScene(QObject):
             self._loop.posted.connect(self._on_posted)
             self._loop.failed.connect(self._on_failed, Qt.ConnectionType.QueuedConnection)
             self._loop.start()
-        self._loop.ask(LiveWish(self._cast, self._state))
+        self._ask_again(self._cast)
+
+    def _ask_again(self, cast: Cast) -> None:
+        """Ask for what was last shown, or rest, as it is to look now."""
+        last = self._last or LiveWish(cast, resting())
+        if self._loop is not None:
+            self._loop.ask(replace(last, cast=cast, delivered_s=None, look=self._look))
 
     def _on_posted(self) -> None:
         painted = self._loop.pictures.take() if self._loop is not None else None
