@@ -127,3 +127,15 @@ class TooFewPicturesError(AppError):
             f"found {found} usable pictures in {where}, expected at least {needed} (60 are best), "
             "each sharp and with the face seen: record a longer video, or add pictures"
         )
+
+
+class PicturesDeletedError(AppError):
+    """A profile has no pictures any more, so no landmarks can be looked at."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        super().__init__(
+            f"the profile {name} has no pictures: they were deleted and only the trained model was "
+            "kept; expected pictures to put landmarks right in. The face is still followed live "
+            f"with it; to improve it, take new pictures: facepuppet setup {name}"
+        )

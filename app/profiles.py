@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 
 from app.errors import AppError
-from core.generations import HEADER_NAME, ProfileDamagedError
+from core.generations import HEADER_NAME, ProfileDamagedError, read_generation
 from core.records import U8, SetupImages
-from core.store import Profile, load_pictures
+from core.store import IMAGES, Profile, load_pictures
 
 #: From so many pictures on they are kept as JPEG: PNG would take 50 MB and more.
 MANY_PICTURES = 120
@@ -59,7 +59,7 @@ def profile_folder(text: str) -> Path:
 
 def profile_names() -> list[str]:
     """Return the names of the profiles in the user's data folder, in alphabetical order."""
-    headers = (data_folder() / "profiles").glob(f"*/{HEADER_NAME}")
+    headers = (data_folder() / "profiles").glob(f"[!.]*/{HEADER_NAME}")
     return sorted((path.parent.name for path in headers), key=str.casefold)
 
 
@@ -105,6 +105,15 @@ def decoded_pictures(
     contents = {Path(name).stem: content for name, content in files.items()}
     images = tuple(_decoded(contents.get(name), folder / name) for name in profile.names)
     return SetupImages(images, profile.names, profile.standard)
+
+
+def pictures_kept(folder: Path) -> bool:
+    """Return whether a profile holds its pictures; the user may have deleted them.
+
+    Raises:
+        CoreError: The profile cannot be read.
+    """
+    return any(name.startswith(IMAGES) for name in read_generation(folder).files)
 
 
 def load_setup_images(folder: Path, profile: Profile) -> SetupImages:

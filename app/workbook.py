@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from app.profiles import decoded, encoded, load_setup_images
+from app.profiles import decoded, encoded, load_setup_images, pictures_kept
 from app.setup_steps import Pictures, keep, make_profile
 from core.blendshapes import user_blendshapes
 from core.camera import camera_for
@@ -52,16 +52,21 @@ class Workbook:
         self.folder, self._find = folder, find
         self._draft = Draft(folder)
         self.profile: Profile | None = None
+        #: Whether the user deleted the pictures of the profile: only new ones can be looked at.
+        self.pictures_deleted = False
+        self._images: dict[str, U8] = {}
+        self._landmarks: dict[str, Landmarks2D] = {}
         if (folder / HEADER_NAME).exists():
             self._open(load(folder))
-        else:
-            self._images: dict[str, U8] = {}
-            self._landmarks: dict[str, Landmarks2D] = {}
         for name in self._draft.names():
             self._add_draft(name)
 
     def _open(self, profile: Profile) -> None:
         self.profile = profile
+        self._images, self._landmarks = {}, {}
+        self.pictures_deleted = not pictures_kept(self.folder)
+        if self.pictures_deleted:
+            return
         images = load_setup_images(self.folder, profile)
         self._images = dict(zip(images.names, images.images, strict=True))
         self._landmarks = dict(zip(profile.names, profile.landmarks, strict=True))
@@ -156,7 +161,7 @@ class Workbook:
 
     def remove(self, name: str) -> None:
         """Drop a shot that no training has seen, if there is one."""
-        if self.profile is None or name not in self.profile.names:
+        if self.profile is None or self.pictures_deleted or name not in self.profile.names:
             self._draft.remove(name)
             self._images.pop(name, None)
             self._landmarks.pop(name, None)

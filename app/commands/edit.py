@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from app.commands.display import has_display
-from app.errors import NoDisplayError
+from app.errors import NoDisplayError, PicturesDeletedError
 from app.profiles import profile_folder
 from core.records import U8, Landmarks2D, Progress
 
@@ -49,6 +49,7 @@ def open_editor(folder: Path) -> tuple[Any, Any]:
 
     Raises:
         CoreError: The profile cannot be read.
+        PicturesDeletedError: It has nothing to look at.
     """
     from app.controllers.editing import EditorController
     from app.models import load_aligner
@@ -66,6 +67,8 @@ def open_editor(folder: Path) -> tuple[Any, Any]:
         return None if found is None else found.landmarks
 
     book = Workbook(folder, find)
+    if book.pictures_deleted and not book.names:
+        raise PicturesDeletedError(folder.name)
 
     def train(book: Workbook) -> Generator[Progress, None, object]:
         profile = yield from book.train(model, np.random.default_rng(0))
