@@ -32,6 +32,7 @@ from core.records import (
     Landmarks2D,
     UserBlendshapes,
 )
+from core.region_check import region_means
 from core.tracker import BLINKS
 from core.usual_rotation import UsualRotation
 
@@ -196,6 +197,7 @@ class FreeTracker:
             confidence=confidence,
             mode="free",
             lost=False,
+            regions=region_means(landmarks.confidence),
         )
 
     def _gaze_of(self, time_s: float, landmarks: Landmarks2D, solved: Solved) -> FloatArray:

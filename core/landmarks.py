@@ -268,3 +268,15 @@ CURVES: tuple[tuple[int, ...], ...] = (
     *(GROUPS[name] + GROUPS[name][:1] for name in ("lips_outer", "lips_inner")),
     GROUPS["contour"],
 )
+
+#: The parts of a face that are trusted each by itself, in the order of `FaceState.regions`.
+REGION_NAMES: tuple[str, ...] = ("brows", "eye_right", "eye_left", "nose", "mouth", "outline")
+#: Landmarks of each of them.
+REGION_LANDMARKS: tuple[tuple[int, ...], ...] = (
+    GROUPS["brow_right"] + GROUPS["brow_left"],
+    GROUPS["eye_right"],
+    GROUPS["eye_left"],
+    GROUPS["nose"],
+    GROUPS["lips_outer"] + GROUPS["lips_inner"],
+    GROUPS["contour"],
+)

@@ -28,6 +28,7 @@ from core.records import (
     Shape3D,
     UserBlendshapes,
 )
+from core.region_check import region_means
 from core.regressor import FernRegressor, Regression
 from core.shape_recovery import RecoverySettings, recover_one
 from core.tracker import TrackedFace, Tracker, TrackerModel
@@ -90,6 +91,7 @@ class _Found:
 
     points_mm: FloatArray
     confidence: float
+    regions: FloatArray
 
 
 class LiveTracker:
@@ -211,7 +213,7 @@ class LiveTracker:
             self._points_mm = None
             return None
         self._points_mm = shape.points_mm
-        return _Found(shape.points_mm, self._confidence(shape))
+        return self._found(shape)
 
     def _is_sane(self, shape: Shape3D) -> bool:
         """Return whether the shape lies before the camera and inside the picture."""
@@ -257,8 +259,9 @@ class LiveTracker:
             return None
         self._look = self._begin(frame, landmarks, recovered)
         if self._look.agrees:
-            return _Found(self._look.shape.points_mm, self._confidence(self._look.shape))
-        return _Found(recovered, 0.5 * self._alignment.presence)
+            return self._found(self._look.shape)
+        regions = region_means(landmarks.confidence)
+        return _Found(recovered, 0.5 * self._alignment.presence, regions)
 
     @cached_property
     def _mean(self) -> UserBlendshapes:
@@ -287,9 +290,11 @@ class LiveTracker:
         agrees = apart < self._settings.disagreement and self._is_sane(shape)
         return Look(landmarks, shape, apart, agrees)
 
-    def _confidence(self, shape: Shape3D) -> float:
-        """Return 1 for a frame like the training pictures, 0.5 at the level of doubt."""
-        return float(1 / (1 + (shape.residual / self._settings.doubt) ** 4))
+    def _found(self, shape: Shape3D) -> _Found:
+        """Return a shape; confidence is 1 if it is like the training pictures, 0.5 at doubt."""
+        unlike = np.array([shape.residual, *shape.unlike]) / self._settings.doubt
+        confidence, *regions = 1 / (1 + unlike**4)
+        return _Found(shape.points_mm, float(confidence), np.array(regions))
 
     def _state(self, time_s: float, found: _Found, face: TrackedFace) -> FaceState:
         shape = found.points_mm[:N_LANDMARKS]
@@ -304,6 +309,7 @@ class LiveTracker:
             confidence=found.confidence,
             mode="trained",
             lost=False,
+            regions=found.regions,
         )
 
 

@@ -249,14 +249,16 @@ class Shape3D:
         spread_mm: Disagreement of the L runs.
         residual: Distance of the appearance at the result from that of the training pictures,
             1 = the level that 99 % of good frames stay below.
+        unlike: (R,) the same for each of landmarks.REGION_NAMES by itself.
     """
 
     points_mm: FloatArray
     spread_mm: float
     residual: float
+    unlike: FloatArray = field(default_factory=lambda: np.zeros(6))
 
     def __post_init__(self) -> None:
-        freeze(self, points_mm=(np.float64, ("Q", 3)))
+        freeze(self, points_mm=(np.float64, ("Q", 3)), unlike=(np.float64, (6,)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -275,6 +277,8 @@ class FaceState:
         confidence: In [0, 1].
         mode: "trained" or "free".
         lost: True while no face is tracked; the rest is then the last good state.
+        regions: (R,) confidence in each of landmarks.REGION_NAMES, in [0, 1]: what is covered
+            has little, and its coefficients are then held or at rest.
     """
 
     time_s: float
@@ -287,6 +291,7 @@ class FaceState:
     confidence: float
     mode: str
     lost: bool
+    regions: FloatArray = field(default_factory=lambda: np.ones(6))
 
     def __post_init__(self) -> None:
         freeze(
@@ -297,6 +302,7 @@ class FaceState:
             gaze_rad=(np.float64, (2, 2)),
             shape_mm=(np.float64, ("L", 3)),
             landmarks_px=(np.float64, ("L", 2)),
+            regions=(np.float64, (6,)),
         )
 
 

@@ -18,6 +18,7 @@ from core.kernels.starts import (
     turned_distances,
 )
 from core.records import U8, Camera, FloatArray, Shape3D
+from core.region_check import region_shares
 from core.shape_space import distinct, pairwise_rotations
 
 __all__ = ["FernRegressor", "Regression", "RegressionSettings"]
@@ -108,6 +109,8 @@ class Regression:
         self._result = np.empty((n_points, 3))
         self._difference = np.empty(len(regressor.check_mean), np.float32)
         self._inside = np.empty(len(regressor.check_basis), np.float32)
+        self._explained = np.empty_like(self._difference)
+        self._region_shares = region_shares(regressor.check_corners, regressor.check_weights)
 
     def _choose_originals(self) -> None:
         """Keep the originals of starts, and how they are turned for each nearest shape."""
@@ -139,7 +142,7 @@ class Regression:
         moved = np.sqrt(np.mean(np.sum((self._result - previous) ** 2, axis=1)))
         if moved > self._settings.again_mm:
             spread = self._pass(gray, self._result)
-        return Shape3D(self._result, spread, self._residual(gray))
+        return Shape3D(self._result, spread, *self._residuals(gray))
 
     def run_from(self, gray: U8, starts_mm: FloatArray) -> Shape3D:
         """Return the shape found from given starts, without M^a, for experiments.
@@ -160,7 +163,7 @@ class Regression:
         filled = np.minimum(np.arange(lanes), n_starts - 1)
         self._shapes[:] = starts[filled] - self._center
         spread = self._regress(gray, n_starts)
-        return Shape3D(self._result, spread, self._residual(gray))
+        return Shape3D(self._result, spread, *self._residuals(gray))
 
     def _checked(self, gray: U8, points_mm: FloatArray) -> tuple[U8, FloatArray]:
         """Return both in the one layout for which the kernels are compiled."""
@@ -221,17 +224,20 @@ class Regression:
         # A shape gone astray must not be thrown to the end of the world.
         self._result /= min(max(size, 0.93), 1.07)
 
-    def _residual(self, gray: U8) -> float:
-        """Return how unlike the training pictures the frame looks at the result."""
+    def _residuals(self, gray: U8) -> tuple[float, FloatArray]:
+        """Return how unlike the training pictures the frame looks at the result; by region (6,)."""
         regressor, reader = self._regressor, self._check_reader
         reader.shapes[0] = self._result
         softening = float(regressor.check_softening)
         seen = reader.read(gray, self._projection, softening)[:, 0]
         np.subtract(seen, regressor.check_mean, out=self._difference)
         np.matmul(regressor.check_basis, self._difference, out=self._inside)
-        squared = self._difference @ self._difference - self._inside @ self._inside
-        distance = np.sqrt(max(float(squared), 0.0) / len(self._difference))
-        return float(distance / regressor.check_level)
+        np.matmul(self._inside, regressor.check_basis, out=self._explained)
+        self._difference -= self._explained
+        np.square(self._difference, out=self._difference)
+        level = float(regressor.check_level)
+        by_region = np.sqrt(self._region_shares @ self._difference) / level
+        return float(np.sqrt(self._difference.mean()) / level), by_region.astype(np.float64)
 
 
 def _fern_room(regressor: FernRegressor, n_runs: int, lanes: int) -> FernRoom:
