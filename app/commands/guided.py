@@ -38,12 +38,10 @@ def show_setup(profile: str, source: str = "") -> int:
 
 def go_live(setup_window: Any, profile: str) -> Any:
     """Show the live window with a profile in place of the setup's; return it."""
-    from app.controllers.live import LiveController
+    from app.controllers.desk import open_desk
     from app.controllers.toolbox import Toolbox
-    from app.views.live_window import LiveWindow
 
-    window = LiveWindow()
-    controller = LiveController(window, Toolbox())
+    window, controller = open_desk(Toolbox())
     window.show()
     setup_window.close()
     controller.start()

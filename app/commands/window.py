@@ -26,14 +26,12 @@ def open_window(qt_arguments: list[str]) -> int:
     # Qt needs more system libraries than the other commands, which must do without them.
     from PySide6.QtWidgets import QApplication
 
-    from app.controllers.live import LiveController
+    from app.controllers.desk import open_desk
     from app.controllers.toolbox import Toolbox
-    from app.views.live_window import LiveWindow
 
     application = QApplication(qt_arguments)
     application.setApplicationName("facepuppet")
-    window = LiveWindow()
-    controller = LiveController(window, Toolbox())
+    window, controller = open_desk(Toolbox())
     window.show()
     controller.start()
     # Qt would not notice Ctrl-C; the window's timer lets Python run its handler soon enough.

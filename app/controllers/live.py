@@ -1,75 +1,103 @@
-"""The live window at work: source and profile chosen, frames solved, avatar painted."""
+"""The live window at work: source and profile chosen, frames solved, avatar painted.
 
-import time
+What other features build on:
 
-from PySide6.QtCore import QCoreApplication, QObject, QTimer
+- `add_listener(call)`: `call(frame, solved, driven, delivered_s)` for every frame, in the live
+  thread. It must return within a millisecond and touch no widget.
+- `solved`: the newest `LiveResult` (`frame`, `state`, `driven`) in the window's thread; frames may
+  be left out.
+- `drive`: from the solved face to what the avatar does; `scene`: the avatar; `player`: the source.
+- `use_profile(name)` changes over while the picture goes on; `swap_performer(performer)` puts
+  another tracker of the same person in place between two frames.
+- `profile_changed`, `avatar_changed`, `source_changed` after each choice; `ending` before all
+  threads end, when panels have to end theirs.
+"""
 
-from app.controllers.meter import Meter
+from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
+
+from app.controllers.choosing import ChoiceLists
+from app.controllers.face_desk import FaceDesk
+from app.controllers.live_chain import (
+    Driver,
+    Listener,
+    LiveChain,
+    SwappedTracker,
+    SwappingOpener,
+    Undriven,
+)
 from app.controllers.player import Opened, Performer, Player, Wanted
-from app.controllers.profile_maker import MadeProfile, ProfileMaker
+from app.controllers.profile_maker import MadeProfile
+from app.controllers.profile_switch import ProfileSwitch
+from app.controllers.remarks import (
+    BROKEN,
+    GETTING_READY,
+    INVITATION,
+    MAKING,
+    NO_CAMERA,
+    NO_PICTURE,
+    NOT_DRAWN,
+    PREPARING,
+    SETTING_UP,
+    STRANGER,
+    UNUSABLE,
+    WAITING,
+    FreeSpell,
+)
 from app.controllers.scene import AvatarScene
-from app.controllers.tools import Guided, Tools
+from app.controllers.showing import Showing
+from app.controllers.tools import Tools
 from app.errors import AppError
 from app.sources import PERFORMER
 from app.views.choice import Choice
-from app.views.live_window import NO_PROFILE, OPEN_FILE, LiveWindow
-from app.views.picture_view import Overlay, image_from_array
-from app.views.status_row import LiveNumbers
-from app.workers.avatar_loop import Painted
-from app.workers.live_loop import LiveResult
+from app.views.live_window import NO_PROFILE, LiveWindow
 from core.errors import CoreError
-from core.landmarks import CURVES, N_INTERNAL
 from core.records import FaceState, Frame, Progress
 
 NUMBERS_EVERY_MS = 250
-#: The last landmarks stand for the outline but lie on the skin: they are dots, not a line.
-DRAWN_CURVES = tuple(curve for curve in CURVES if max(curve) < N_INTERNAL)
-#: Below this confidence landmarks are drawn in the warning colour.
-SURE = 0.5
-#: Time without the profile after which the user is told.
-LASTING_S = 3.0
-#: Below this average confidence the user is told that something is wrong.
-DOUBTFUL = 0.25
-
-SETTING_UP = "The guided setup uses the camera."
-NO_CAMERA = "No camera was found.\nPlug one in, or try facepuppet without:"
-NO_PICTURE = "There is no picture."
-INVITATION = (
-    "Any face is tracked without a profile. With one of your own the avatar follows more closely: "
-    "a minute of video is enough (New profile…)."
-)
-MAKING = "Tracking without a profile until the new one is made."
-STRANGER = "This profile does not fit the face in the picture: tracking without it."
-GETTING_READY = "Getting ready…\nThe very first time this takes half a minute."
-PREPARING = "Preparing the avatar…"
-WAITING = "The avatar comes with the source's picture."
-UNUSABLE = "This profile cannot be used: tracking without it. Choose another, or make a new one."
-BROKEN = (
-    "an error of the program stopped this; the terminal shows the details. Choose the source "
-    "again to go on"
-)
 
 
 class LiveController(QObject):
     """Joins the live window with sources, profiles and threads."""
 
+    source_changed = Signal(str)
+    profile_changed = Signal(str)
+    avatar_changed = Signal(str)
+    solved = Signal(object)  # LiveResult
+    ending = Signal()
+
     def __init__(self, window: LiveWindow, tools: Tools) -> None:
         super().__init__(window)
         self._window, self._tools = window, tools
-        self._files: list[str] = []
+        self._lists = ChoiceLists(window, tools)
         self._wanted = Wanted("", NO_PROFILE.key)
-        self._state: FaceState | None = None
         self._performer: Performer | None = None
-        self._trouble, self._free_since_s = False, 0.0
-        self._meter = Meter()
-        self._scene = AvatarScene(tools, tools.avatars()[0].key, self)
-        self._player = Player(tools, self._on_solved, self)
-        self._maker = ProfileMaker(self)
-        self._guided: Guided | None = None
+        self._swapped: SwappedTracker | None = None
+        self._trouble, self._spell = False, FreeSpell()
+        self._showing = Showing(window, self)
+        self.scene = AvatarScene(tools, tools.avatars()[0].key, self)
+        self._chain = LiveChain(Undriven(), self._on_solved)
+        self.player = Player(SwappingOpener(tools), self._chain.solved, self)
+        self._switch = ProfileSwitch(tools, self)
+        self._desk = FaceDesk(window, tools, self)
         self._timer = QTimer(self)
         self._timer.timeout.connect(self._look_around)
         self._connect_window(window)
         self._connect_work()
+
+    @property
+    def window(self) -> LiveWindow:
+        """The window."""
+        return self._window
+
+    @property
+    def wanted(self) -> Wanted:
+        """The chosen source and profile."""
+        return self._wanted
+
+    @property
+    def drive(self) -> Driver:
+        """From the solved face to what the avatar does."""
+        return self._chain.drive
 
     def start(self) -> None:
         """Fill the choosers and play the first camera, if there is one."""
@@ -81,40 +109,59 @@ class LiveController(QObject):
         cameras, names = self._tools.cameras(), self._tools.profiles()
         profile = names[0] if names else NO_PROFILE.key
         self._timer.start(NUMBERS_EVERY_MS)
-        self._want(cameras[0].key if cameras else "", profile)
+        self._play(cameras[0].key if cameras else "", profile)
 
     def stop(self) -> None:
         """End all threads; the source is closed."""
         self._timer.stop()
-        if self._guided is not None:
-            self._guided.close()
-        self._maker.stop()
-        self._player.stop()
-        self._scene.stop()
+        self.ending.emit()
+        self._desk.stop()
+        self._switch.stop()
+        self.player.stop()
+        self.scene.stop()
+
+    # -- for other features ---------------------------------------------------------------
+
+    def add_listener(self, listener: Listener) -> None:
+        """Call somebody with every frame from the next one on, in the live thread."""
+        self._chain.add(listener)
+
+    def remove_listener(self, listener: Listener) -> None:
+        """Call somebody no more; a frame under way may still come."""
+        self._chain.remove(listener)
+
+    def use_profile(self, profile: str) -> None:
+        """Change over to a profile; the picture goes on with the one before meanwhile."""
+        if self._swapped is None or not self.player.busy:
+            self._play(self._wanted.source, profile)
+            return
+        self._wanted = Wanted(self._wanted.source, profile)
+        self._show_choices()
+        self._window.message_bar.tell("")
+        self._switch.load(profile)
+
+    def swap_performer(self, performer: Performer) -> None:
+        """Let another tracker solve from the next frame on, for another head or a better one."""
+        if self._swapped is None:
+            return
+        self._performer = performer
+        self._swapped.tracker = performer.tracker
+        self.scene.become(performer.user)
 
     # -- choices -------------------------------------------------------------------------
 
     def _connect_window(self, window: LiveWindow) -> None:
-        window.source_chosen.connect(lambda key: self._want(key, self._wanted.profile))
+        window.source_chosen.connect(lambda key: self._play(key, self._wanted.profile))
         window.sources_wanted.connect(self._show_choices)
-        window.profile_chosen.connect(lambda key: self._want(self._wanted.source, key))
+        window.profile_chosen.connect(self.use_profile)
         window.avatar_chosen.connect(self._on_avatar_chosen)
-        window.new_profile_wanted.connect(self._on_new_profile_wanted)
-        window.guided_wanted.connect(self._on_guided_wanted)
-        window.cancel_wanted.connect(self._maker.cancel)
+        window.guided_wanted.connect(lambda: self._desk.show_guided(self._wanted.source))
         window.closing.connect(self.stop)
 
     def _show_choices(self) -> None:
-        known = [*self._tools.cameras(), *self._tools.performances()]
-        source = self._wanted.source
-        if source and source not in self._files and source not in {one.key for one in known}:
-            self._files.append(source)
-        files = [Choice(path, path.replace("\\", "/").split("/")[-1], path) for path in self._files]
-        self._window.show_sources([*known, *files], source)
-        self._window.show_profiles(self._tools.profiles(), self._wanted.profile)
-        self._window.show_avatars(self._tools.avatars(), self._scene.avatar)
+        self._lists.show(self._wanted, self.scene.avatar)
 
-    def _want(self, source: str, profile: str) -> None:
+    def _play(self, source: str, profile: str) -> None:
         """Play a source with a profile from now on; the one before ends in the background."""
         if source != self._wanted.source:
             self._window.show_mirrored(source.startswith("camera"))
@@ -124,17 +171,20 @@ class LiveController(QObject):
         self._window.message_bar.tell("")
         if source:
             self._window.source_pane.say(self._opening())
-            self._player.play(self._wanted)
+            self.player.play(self._wanted)
         else:
-            self._window.source_pane.say(NO_CAMERA, self._offers())
-            self._player.play(None)
-        self._show_numbers()
+            self._window.source_pane.say(NO_CAMERA, self._lists.offers())
+            self.player.play(None)
+        self._showing.show_numbers(self.player.busy)
+        self.source_changed.emit(source)
+        self.profile_changed.emit(profile)
 
     def _forget(self) -> None:
         """Leave nothing of the source before on the screen or in the numbers."""
-        self._state, self._performer, self._trouble = None, None, False
-        self._meter.reset()
-        self._scene.leave()
+        self._performer, self._swapped, self._trouble = None, None, False
+        self._switch.forget()
+        self._showing.reset()
+        self.scene.leave()
         self._window.avatar_pane.say(PREPARING if self._wanted.source else WAITING)
         self._invite()
 
@@ -143,42 +193,33 @@ class LiveController(QObject):
         if self._trouble:
             hint = UNUSABLE
         elif self._wanted.profile:
-            hint = STRANGER if self._lastingly_free() else ""
+            hint = STRANGER if self._spell.lasts(self._showing.state) else ""
         else:
-            hint = MAKING if self._maker.busy else INVITATION
+            hint = MAKING if self._desk.busy else INVITATION
         self._window.show_hint(hint)
 
-    def _lastingly_free(self) -> bool:
-        """Whether the profile has not been used for some time although a face is seen."""
-        now_s = time.monotonic()
-        if self._state is None or self._state.lost or self._state.mode != "free":
-            self._free_since_s = now_s
-        return now_s - self._free_since_s > LASTING_S
-
-    def _offers(self) -> list[Choice]:
-        """Return sources that work everywhere."""
-        return [*self._tools.performances()[:1], OPEN_FILE]
-
     def _on_avatar_chosen(self, key: str) -> None:
-        if self._scene.plays:
-            self._window.avatar_pane.say(PREPARING)
-        self._scene.choose(key)
+        self.scene.choose(key)
         self._show_choices()
+        self.avatar_changed.emit(key)
 
     # -- playing -------------------------------------------------------------------------
 
     def _connect_work(self) -> None:
-        self._player.preparing.connect(self._on_preparing)
-        self._player.opened.connect(self._on_opened)
-        self._player.framed.connect(self._on_framed)
-        self._player.failed.connect(self._on_source_failed)
-        self._player.broken.connect(lambda: self._on_source_failed(AppError(BROKEN)))
-        self._scene.painted.connect(self._on_painted)
-        self._scene.failed.connect(self._on_avatar_failed)
-        self._maker.progressed.connect(self._window.job_row.show_progress)
-        self._maker.made.connect(self._on_profile_made)
-        self._maker.failed.connect(lambda error: self._window.message_bar.tell(str(error)))
-        self._maker.finished.connect(self._on_making_finished)
+        self.player.preparing.connect(self._on_preparing)
+        self.player.opened.connect(self._on_opened)
+        self.player.framed.connect(self._showing.show_solved)
+        self.player.framed.connect(self.solved)
+        self.player.failed.connect(self._on_source_failed)
+        self.player.broken.connect(lambda: self._on_source_failed(AppError(BROKEN)))
+        self.scene.painted.connect(self._showing.show_painted)
+        self.scene.failed.connect(self._on_avatar_failed)
+        self._switch.loaded.connect(self._on_switched)
+        self._switch.failed.connect(self._on_switch_failed)
+        self._desk.changed.connect(self._invite)
+        self._desk.camera_needed.connect(self._on_camera_needed)
+        self._desk.camera_free.connect(self._on_camera_free)
+        self._desk.made.connect(self._on_profile_made)
 
     def _opening(self) -> str:
         return f"Opening {self._window.sources.currentText()}…"
@@ -191,110 +232,68 @@ class LiveController(QObject):
         if opened.trouble is not None:
             self._trouble = True
             self._window.message_bar.tell(str(opened.trouble))
+        tracker = opened.performer.tracker
+        self._swapped = tracker if isinstance(tracker, SwappedTracker) else None
         self._performer = opened.performer
-        self._scene.enter(opened.performer.user)
+        self.drive.reset()
+        self.scene.enter(opened.performer.user)
         self._invite()
 
-    def _on_solved(self, frame: Frame, state: FaceState, delivered_s: float) -> None:
-        """Count and hand on what was solved; called in the live thread."""
-        self._meter.count(frame, state, 1000 * (time.perf_counter() - delivered_s))
-        self._scene.show(state, delivered_s)
+    def _on_switched(self, profile: str, performer: Performer) -> None:
+        # Where the wanted one could not be loaded, what comes needs none.
+        self._trouble = profile != self._wanted.profile
+        self.swap_performer(performer)
+        self._invite()
+        self.profile_changed.emit(self._wanted.profile)
+
+    def _on_solved(
+        self, frame: Frame, state: FaceState, driven: FaceState, delivered_s: float
+    ) -> None:
+        """Count and have painted what was solved; called in the live thread."""
+        self._showing.count(frame, state, delivered_s)
+        self.scene.show(driven, delivered_s, frame, state)
+
+    def _on_switch_failed(self, profile: str, error: CoreError | AppError) -> None:
+        """Go on without a profile."""
+        self._window.message_bar.tell(str(error))
+        self._switch.load("")
 
     def _get_acquainted(self) -> None:
         """Give the avatar the head of who was seen without a profile, once it is known."""
-        user = self._performer.learned() if self._performer is not None else None
+        performer = self._performer
+        user = performer.learned() if performer is not None else None
         if user is not None:
             self._performer = None
-            self._scene.become(user)
-
-    def _on_framed(self, result: LiveResult) -> None:
-        self._state = result.state
-        image = image_from_array(result.frame.rgb)
-        if result.state.lost:
-            self._window.source_pane.show_picture(image, badge="Searching for the face…")
-        else:
-            self._window.source_pane.show_picture(image, self._overlay(result.state))
-
-    def _overlay(self, state: FaceState) -> Overlay | None:
-        if not self._window.landmarks_wanted:
-            return None
-        return Overlay(state.landmarks_px, DRAWN_CURVES, certain=state.confidence > SURE)
-
-    def _on_painted(self, painted: Painted) -> None:
-        if painted.wish.delivered_s is not None:
-            self._meter.count_latency(1000 * (painted.ready_s - painted.wish.delivered_s))
-        self._window.avatar_pane.show_picture(image_from_array(painted.picture))
+            self.scene.become(user)
 
     def _on_source_failed(self, error: CoreError | AppError) -> None:
         self._forget()
         self._window.message_bar.tell(str(error))
         again = Choice(self._wanted.source, "Try again")
-        self._window.source_pane.say(NO_PICTURE, [again, *self._offers()])
+        self._window.source_pane.say(NO_PICTURE, [again, *self._lists.offers()])
         self._window.avatar_pane.say(WAITING)
 
     def _on_avatar_failed(self, error: AppError) -> None:
         self._window.message_bar.tell(str(error))
-        self._window.avatar_pane.say("The avatar cannot be drawn.")
+        self._window.avatar_pane.say(NOT_DRAWN)
 
     def _look_around(self) -> None:
         """Do what need not be done with every frame."""
         self._get_acquainted()
         self._invite()
-        self._show_numbers()
-
-    def _show_numbers(self) -> None:
-        meter = self._meter
-        self._window.show_numbers(
-            LiveNumbers(
-                self._state_name(), meter.confidence, meter.frames_per_second(), meter.solve_ms,
-                meter.latency_ms, meter.dropped,
-            )
-        )  # fmt: skip
-
-    def _state_name(self) -> str:
-        if not self._player.busy:
-            return "off"
-        if not self._window.source_pane.has_picture:
-            return "opening"
-        if self._state is None or self._state.lost:
-            return "searching"
-        doubt = "_unsure" if self._meter.confidence < DOUBTFUL else ""
-        return self._state.mode + doubt
+        self._showing.show_numbers(self.player.busy)
 
     # -- making a profile ----------------------------------------------------------------
 
-    def _on_guided_wanted(self) -> None:
-        """Leave the camera to the guided setup until its window is closed."""
-        if self._guided is not None:
-            self._guided.show()
-            return
-        camera = self._wanted.source if self._wanted.source.startswith("camera") else ""
-        self._player.play(None)
+    def _on_camera_needed(self) -> None:
+        self.player.play(None)
         self._forget()
         self._window.source_pane.say(SETTING_UP)
-        self._guided = self._tools.guided_setup(camera)
-        self._guided.finished.connect(self._on_guided_finished)
-        self._guided.show()
 
-    def _on_guided_finished(self, name: str) -> None:
+    def _on_camera_free(self, profile: str) -> None:
         """Go on, with the profile with which the user wanted to go live."""
-        self._guided = None
-        self._want(self._wanted.source, name or self._wanted.profile)
-
-    def _on_new_profile_wanted(self, name: str, source: str) -> None:
-        if self._maker.busy:
-            return
-        self._window.message_bar.tell("")
-        self._window.new_profile_button.setEnabled(False)
-        self._window.job_row.begin(f"Making the profile {name}")
-        self._maker.start(self._tools.profile_steps(name, source))
-        self._invite()
+        self._play(self._wanted.source, profile or self._wanted.profile)
 
     def _on_profile_made(self, made: MadeProfile) -> None:
-        self._want(self._wanted.source, made.name)
+        self.use_profile(made.name)
         self._window.message_bar.announce(made.text)
-
-    def _on_making_finished(self) -> None:
-        self._window.new_profile_button.setEnabled(True)
-        self._window.job_row.end()
-        self._invite()

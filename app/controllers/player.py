@@ -146,7 +146,7 @@ class Player(QObject):
     def __init__(
         self,
         opener: Opener,
-        solved: Callable[[Frame, FaceState, float], None],
+        solved: Callable[[Frame, FaceState, float], FaceState | None],
         parent: QObject | None = None,
     ) -> None:
         """Prepare to play.
@@ -154,7 +154,8 @@ class Player(QObject):
         Args:
             opener: Opens sources and profiles, in a background thread.
             solved: Called in the live thread with each frame, its state, and when the frame was
-                delivered, on the clock of time.perf_counter.
+                delivered, on the clock of time.perf_counter. It returns what the avatar makes of
+                the state, or None: just that.
             parent: Of the object.
         """
         super().__init__(parent)
@@ -213,12 +214,11 @@ class Player(QObject):
         thread.finished.connect(self._on_finished)
         thread.start()
 
-    def _stepper(self, performer: Performer) -> Callable[[Frame], FaceState]:
-        def step(frame: Frame) -> FaceState:
+    def _stepper(self, performer: Performer) -> Callable[[Frame], tuple[FaceState, FaceState]]:
+        def step(frame: Frame) -> tuple[FaceState, FaceState]:
             delivered_s = time.perf_counter()
             state = performer.tracker.step(frame)
-            self._solved(frame, state, delivered_s)
-            return state
+            return state, self._solved(frame, state, delivered_s) or state
 
         return step
 

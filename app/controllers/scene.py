@@ -47,8 +47,8 @@ class AvatarScene(QObject):
         self._last = None
         self._play(user)
 
-    def become(self, user: UserBlendshapes) -> None:
-        """Go on as somebody who is better known now."""
+    def become(self, user: UserBlendshapes | None) -> None:
+        """Go on as somebody else, or who is better known now."""
         if self._cast is not None:
             self._play(user)
 

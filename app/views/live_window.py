@@ -1,14 +1,23 @@
-"""The live window: the source with its landmarks on the left, the avatar on the right."""
+"""The live window: the source with its landmarks on the left, the avatar on the right.
+
+Other features add to it, in app.controllers.desk:
+
+- `add_panel(key, title, widget, shortcut, area)`: a panel beside the pictures, hidden at first,
+  listed in the menu View, its place remembered.
+- `menu(name)`: one of MENUS, to add actions to.
+- `message_bar`: `tell` a trouble, `announce` good news, `offer` a text with buttons.
+"""
 
 from collections.abc import Callable, Sequence
 
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QCloseEvent, QKeySequence, QPalette, QShortcut
+from PySide6.QtGui import QAction, QCloseEvent, QKeySequence, QPalette, QShortcut
 from PySide6.QtWidgets import (
     QCheckBox,
     QHBoxLayout,
     QLabel,
     QMainWindow,
+    QMenu,
     QPushButton,
     QSplitter,
     QVBoxLayout,
@@ -22,6 +31,7 @@ from app.views.job_row import JobRow
 from app.views.message_bar import MessageBar
 from app.views.new_profile import NewProfileDialog
 from app.views.pane import Pane
+from app.views.panels import Panels
 from app.views.status_row import LiveNumbers, StatusRow
 
 #: Choices that open a dialog.
@@ -29,6 +39,8 @@ OPEN_FILE = Choice("?file", "Video file…", "Play a video in place of a camera 
 NEW_PROFILE = Choice("?new", "New profile…", "Make a profile from a video or pictures (Ctrl+N)")
 #: Key of the choice not to track.
 NO_PROFILE = Choice("", "No profile")
+#: The menus from the left.
+MENUS = ("File", "View", "Avatar", "Face", "Help")
 
 
 class LiveWindow(QMainWindow):
@@ -56,8 +68,28 @@ class LiveWindow(QMainWindow):
         self.hint = QLabel()
         self._name_trouble: Callable[[str], str] = lambda name: ""
         self._performer = Choice("", "")
+        self._menus = {name: self.menuBar().addMenu(f"&{name}") for name in MENUS}
+        self.panels = Panels(self, self._menus["View"])
         self._build()
         self._connect()
+
+    def menu(self, name: str) -> QMenu:
+        """Return one of MENUS, to add actions to."""
+        return self._menus[name]
+
+    def add_panel(
+        self, key: str, title: str, widget: QWidget, shortcut: str = "", area: str = "right"
+    ) -> QAction:
+        """Add a panel beside the pictures; return the action that shows and hides it.
+
+        Args:
+            key: Of the panel, without spaces; never change it, its place is remembered under it.
+            title: For people.
+            widget: The content; it should do with a width of 300 px.
+            shortcut: Such as "Ctrl+K".
+            area: "right" or "bottom".
+        """
+        return self.panels.add(key, title, widget, shortcut, area)
 
     def sizeHint(self) -> QSize:
         """Return a size that shows two pictures of a usual webcam."""

@@ -1,8 +1,12 @@
 """A message above the pictures that stays until it is put away."""
 
-from PySide6.QtCore import Qt
+from collections.abc import Sequence
+
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QWidget
+
+from app.views.choice import Choice
 
 #: Ground and text: readable beside light and dark themes.
 TROUBLE_COLORS = (QColor(255, 240, 200), QColor(60, 42, 0))
@@ -10,7 +14,13 @@ NEWS_COLORS = (QColor(214, 232, 255), QColor(12, 34, 72))
 
 
 class MessageBar(QFrame):
-    """One message, or hidden."""
+    """One message, or hidden; `tell` a trouble, `announce` good news, `offer` something to do.
+
+    The key of a choice comes in `chosen`, which everybody hears who makes offers: let keys begin
+    with a word of yours, as in "shots.add".
+    """
+
+    chosen = Signal(str)  # the key of an offered choice
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -21,11 +31,17 @@ class MessageBar(QFrame):
         self._label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         close = QPushButton("&Dismiss")
         close.clicked.connect(self.hide)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(12, 6, 6, 6)
-        layout.addWidget(self._label, stretch=1)
-        layout.addWidget(close, 0, Qt.AlignmentFlag.AlignTop)
+        self._buttons: list[QPushButton] = []
+        self._layout = QHBoxLayout(self)
+        self._layout.setContentsMargins(12, 6, 6, 6)
+        self._layout.addWidget(self._label, stretch=1)
+        self._layout.addWidget(close, 0, Qt.AlignmentFlag.AlignTop)
         self.hide()
+
+    @property
+    def buttons(self) -> tuple[QPushButton, ...]:
+        """The buttons of what is offered, from the left."""
+        return tuple(self._buttons)
 
     @property
     def text(self) -> str:
@@ -40,7 +56,25 @@ class MessageBar(QFrame):
         """Show good news."""
         self._show(text, NEWS_COLORS)
 
+    def offer(self, text: str, choices: Sequence[Choice]) -> None:
+        """Show good news with buttons for what can be done; each puts the message away."""
+        self._show(text, NEWS_COLORS)
+        self._buttons = [self._add_button(choice) for choice in choices]
+
+    def _add_button(self, choice: Choice) -> QPushButton:
+        button = QPushButton(choice.text, self)
+        button.setToolTip(choice.details)
+        button.clicked.connect(self.hide)
+        button.clicked.connect(lambda: self.chosen.emit(choice.key))
+        self._layout.insertWidget(self._layout.count() - 1, button, 0, Qt.AlignmentFlag.AlignTop)
+        return button
+
     def _show(self, text: str, colors: tuple[QColor, QColor]) -> None:
+        for button in self._buttons:
+            self._layout.removeWidget(button)
+            button.hide()
+            button.deleteLater()
+        self._buttons = []
         palette = QPalette(self.palette())
         palette.setColor(QPalette.ColorRole.Window, colors[0])
         palette.setColor(QPalette.ColorRole.WindowText, colors[1])

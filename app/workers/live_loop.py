@@ -20,11 +20,13 @@ class LiveResult:
     Attributes:
         frame: The frame.
         state: The solved face.
+        driven: What the avatar makes of it.
         step_ms: Wall time of the step.
     """
 
     frame: Frame
     state: FaceState
+    driven: FaceState
     step_ms: float
 
 
@@ -43,7 +45,7 @@ class LiveLoop(QThread):
     def __init__(
         self,
         source: FrameSource,
-        step: Callable[[Frame], FaceState],
+        step: Callable[[Frame], tuple[FaceState, FaceState]],
         parent: QObject | None = None,
     ) -> None:
         """Prepare to play a source, which this loop owns from now on.
@@ -51,7 +53,8 @@ class LiveLoop(QThread):
         Args:
             source: Read until it ends. One that is not live is played at its own frame rate;
                 frames are left out where the step is slower than that.
-            step: Solves one frame; called in the live thread only.
+            step: Returns the solved face of one frame and what the avatar makes of it; called in
+                the live thread only.
             parent: Of the thread object.
         """
         super().__init__(parent)
@@ -93,7 +96,7 @@ class LiveLoop(QThread):
 
     def _post(self, frame: Frame) -> None:
         before_s = time.perf_counter()
-        state = self._step(frame)
+        state, driven = self._step(frame)
         step_ms = 1000 * (time.perf_counter() - before_s)
-        if self.results.put(LiveResult(frame, state, step_ms)):
+        if self.results.put(LiveResult(frame, state, driven, step_ms)):
             self.posted.emit()

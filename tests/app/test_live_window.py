@@ -6,20 +6,20 @@ from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QAbstractButton, QComboBox, QFileDialog
 
-from app.controllers import live as live_controller
-from app.controllers.live import (
+from app.controllers import remarks
+from app.controllers.desk import open_desk
+from app.controllers.remarks import (
     BROKEN,
     GETTING_READY,
     INVITATION,
     MAKING,
     STRANGER,
     UNUSABLE,
-    LiveController,
 )
 from app.controllers.toolbox import Toolbox
 from app.errors import CameraLostError, SeveralFacesError
 from app.sources import PERFORMER
-from app.views.live_window import NO_PROFILE, OPEN_FILE, LiveWindow
+from app.views.live_window import NO_PROFILE, OPEN_FILE
 from app.views.new_profile import NewProfileDialog
 from app.workers.job import Job
 from app.workers.live_loop import LiveLoop
@@ -33,8 +33,7 @@ def live(qtbot):
     opened = []
 
     def open_live(toolbox):
-        window = LiveWindow()
-        controller = LiveController(window, toolbox)
+        window, controller = open_desk(toolbox)
         qtbot.addWidget(window)
         window.show()
         controller.start()
@@ -145,7 +144,7 @@ def test_the_avatar_takes_on_the_head_that_was_learned_meanwhile_and_only_once(l
 
 
 def test_a_profile_that_does_not_fit_the_face_is_told_without_fuss(live, qtbot, monkeypatch):
-    monkeypatch.setattr(live_controller, "LASTING_S", 0.3)
+    monkeypatch.setattr(remarks, "LASTING_S", 0.3)
     toolbox = FakeToolbox(profiles=["anna"])
     window = live(toolbox)
     qtbot.waitUntil(lambda: window.status.state == "Tracking, trained")
@@ -242,26 +241,55 @@ def test_of_quick_choices_only_the_last_is_opened_and_never_two_at_once(live, qt
     assert {source.key for source in toolbox.open_now} == {OTHER_CAMERA}
 
 
-def test_a_camera_is_free_before_it_is_opened_for_another_profile(live, qtbot):
+def test_another_profile_takes_over_while_the_picture_goes_on(live, qtbot):
     toolbox = FakeToolbox(profiles=["anna", "bert"])
     window = live(toolbox)
+    qtbot.waitUntil(lambda: window.status.state == "Tracking, trained")
+    choose(window.profiles, NO_PROFILE.key)
+    for _ in range(20):
+        assert window.source_pane.has_picture and window.avatar_pane.has_picture
+        qtbot.wait(5)
+    qtbot.waitUntil(lambda: window.status.state == "Tracking, training-free")
+    choose(window.profiles, "bert")
+    qtbot.waitUntil(lambda: window.status.state == "Tracking, trained")
+    assert toolbox.opened == [CAMERA] and window.profiles.currentData() == "bert"
+
+
+def test_a_damaged_profile_is_told_while_the_picture_goes_on_without_one(live, qtbot):
+    toolbox = FakeToolbox(profiles=["anna", "bert"])
+    toolbox.damaged = {"bert"}
+    window = live(toolbox)
+    qtbot.waitUntil(lambda: window.status.state == "Tracking, trained")
+    choose(window.profiles, "bert")
+    qtbot.waitUntil(lambda: "make it anew" in window.message_bar.text)
+    qtbot.waitUntil(lambda: window.hint.text() == UNUSABLE)
+    qtbot.waitUntil(lambda: window.status.state == "Tracking, training-free")
+    assert toolbox.opened == [CAMERA]
+
+
+def test_a_camera_is_free_before_it_is_opened_again(live, qtbot):
+    toolbox = FakeToolbox(cameras=[CAMERA, OTHER_CAMERA])
+    window = live(toolbox)
     qtbot.waitUntil(lambda: window.avatar_pane.has_picture)
-    for name in ("bert", NO_PROFILE.key, "anna"):
-        choose(window.profiles, name)
+    for key in (OTHER_CAMERA, CAMERA):
+        choose(window.sources, key)
         assert not window.source_pane.has_picture and not window.avatar_pane.has_picture
-        qtbot.waitUntil(plays(window, CAMERA))
+        qtbot.waitUntil(plays(window, key))
     assert toolbox.most_open == 1 and window.status.field("dropped") in ("", "0 dropped")
 
 
-def test_another_avatar_takes_over_and_no_picture_of_the_old_one_comes_after(live, qtbot):
+def test_another_avatar_takes_over_from_the_last_picture_of_the_old_one(live, qtbot):
     toolbox = FakeToolbox(profiles=["anna"])
     window = live(toolbox)
     qtbot.waitUntil(lambda: shown_level(window.avatar_pane) == AVATAR_LEVELS["own"])
     choose(window.avatars, "nora")
+    levels = []
     for _ in range(20):
-        assert shown_level(window.avatar_pane) in (None, AVATAR_LEVELS["nora"])
+        levels.append(shown_level(window.avatar_pane))
         qtbot.wait(5)
-    assert window.avatar_pane.has_picture
+    # The old picture stays until the new avatar's comes, and never comes back.
+    assert set(levels) <= {AVATAR_LEVELS["own"], AVATAR_LEVELS["nora"]}
+    assert levels == sorted(levels) and levels[-1] == AVATAR_LEVELS["nora"]
     assert toolbox.opened == [CAMERA] and toolbox.render_threads == 1
 
 

@@ -44,6 +44,10 @@ class ListSource:
         self.close()
 
 
+def solve_nothing(frame):
+    return None, None
+
+
 def test_mailbox_keeps_the_newest_and_tells_when_it_was_empty():
     box = Latest()
     assert box.take() is None
@@ -117,7 +121,7 @@ def test_a_bug_in_a_job_goes_to_the_except_hook_and_the_job_still_finishes(qtbot
 
 def test_live_loop_solves_every_frame_and_closes_the_source_in_its_thread(qtbot):
     source, stepped = ListSource(5), []
-    loop = LiveLoop(source, lambda frame: stepped.append(frame.index))
+    loop = LiveLoop(source, lambda frame: (stepped.append(frame.index), None))
     with qtbot.waitSignal(loop.ended):
         loop.start()
     loop.wait()
@@ -127,7 +131,7 @@ def test_live_loop_solves_every_frame_and_closes_the_source_in_its_thread(qtbot)
 
 
 def test_unread_results_give_one_signal_only(qtbot):
-    loop, posted = LiveLoop(ListSource(20), lambda frame: None), []
+    loop, posted = LiveLoop(ListSource(20), solve_nothing), []
     loop.posted.connect(lambda: posted.append(True))
     with qtbot.waitSignal(loop.finished):
         loop.start()
@@ -136,7 +140,7 @@ def test_unread_results_give_one_signal_only(qtbot):
 
 
 def test_recorded_frames_play_at_their_own_rate(qtbot):
-    loop = LiveLoop(ListSource(6, live=False, fps=50.0), lambda frame: None)
+    loop = LiveLoop(ListSource(6, live=False, fps=50.0), solve_nothing)
     started_s = time.perf_counter()
     with qtbot.waitSignal(loop.ended):
         loop.start()
@@ -150,6 +154,7 @@ def test_a_slow_step_leaves_recorded_frames_out(qtbot):
     def slow(frame):
         seen.append(frame.index)
         time.sleep(0.05)
+        return None, None
 
     loop = LiveLoop(ListSource(20, live=False, fps=100.0), slow)
     with qtbot.waitSignal(loop.ended):
@@ -160,7 +165,7 @@ def test_a_slow_step_leaves_recorded_frames_out(qtbot):
 
 def test_lost_camera_is_reported_and_the_loop_ends(qtbot):
     error = CameraLostError("cam", 3)
-    loop = LiveLoop(ListSource(3, error=error), lambda frame: None)
+    loop = LiveLoop(ListSource(3, error=error), solve_nothing)
     with qtbot.waitSignal(loop.failed) as caught, qtbot.waitSignal(loop.finished):
         loop.start()
     loop.wait()
@@ -169,7 +174,7 @@ def test_lost_camera_is_reported_and_the_loop_ends(qtbot):
 
 def test_stopping_does_not_wait_for_the_end_of_the_source(qtbot):
     source = ListSource(10_000, live=False, fps=100.0)
-    loop = LiveLoop(source, lambda frame: None)
+    loop = LiveLoop(source, solve_nothing)
     with qtbot.waitSignal(loop.posted):
         loop.start()
     loop.stop()

@@ -1,0 +1,32 @@
+"""The live window with everything that plugs into it.
+
+Each feature makes its own controller here, in one line; the controller adds its panel, menu entries
+and listeners itself, and lives as long as its parent, the live controller:
+
+    ControlPanel(controller, window, tools)
+
+What the window and the live controller offer is told in app.views.live_window and
+app.controllers.live.
+"""
+
+from app.controllers.live import LiveController
+from app.controllers.tools import Tools
+from app.views.live_window import LiveWindow
+
+
+def open_desk(tools: Tools) -> tuple[LiveWindow, LiveController]:
+    """Return the live window and its controller, not started yet."""
+    window = LiveWindow()
+    controller = LiveController(window, tools)
+    attach_panels(controller, window, tools)
+    return window, controller
+
+
+def attach_panels(controller: LiveController, window: LiveWindow, tools: Tools) -> None:
+    """Plug all features into the window.
+
+    Args:
+        controller: Joins window and threads; parent of what is made here.
+        window: Gets panels and menu entries.
+        tools: What the features need of the rest of the program.
+    """

@@ -1,0 +1,111 @@
+"""What happens to every frame in the live thread: solve, drive, hand on.
+
+    frame -> tracker.step -> solved -> Drive.step -> driven -> listeners, avatar
+
+All of it must stay well below a millisecond beside the tracker.
+"""
+
+from collections.abc import Callable
+from typing import Protocol
+
+from app.capture.source import FrameSource
+from app.controllers.player import FaceTracker, Opener, Performer
+from core.records import FaceState, Frame
+
+#: Called in the live thread: frame, solved state, driven state, when the frame was delivered on
+#: the clock of time.perf_counter.
+Listener = Callable[[Frame, FaceState, FaceState, float], None]
+
+
+class Driver(Protocol):
+    """What is needed of the chain from the solved face to what the avatar does."""
+
+    def step(self, state: FaceState) -> FaceState:
+        """Return what the avatar does; called in the live thread."""
+        ...
+
+    def reset(self) -> None:
+        """Forget the past, as after a cut; called while no frame is solved."""
+        ...
+
+
+class Undriven:
+    """Lets the avatar do exactly what was solved."""
+
+    def step(self, state: FaceState) -> FaceState:
+        """Return the state itself."""
+        return state
+
+    def reset(self) -> None:
+        """Remember nothing."""
+
+
+class SwappedTracker:
+    """A tracker that can be replaced between two frames, from any thread."""
+
+    def __init__(self, tracker: FaceTracker) -> None:
+        self.tracker = tracker
+
+    def step(self, frame: Frame) -> FaceState:
+        """Return the face in a frame, by the tracker of this moment."""
+        return self.tracker.step(frame)
+
+    def reset(self) -> None:
+        """Let the tracker forget the past."""
+        self.tracker.reset()
+
+
+class SwappingOpener:
+    """Opens what another opener does, with trackers that can be replaced."""
+
+    def __init__(self, opener: Opener) -> None:
+        self._opener = opener
+
+    def open_source(self, key: str, began_again: Callable[[], None]) -> FrameSource:
+        """Open a source."""
+        return self._opener.open_source(key, began_again)
+
+    def open_profile(self, key: str) -> Performer:
+        """Load a profile and make its tracker."""
+        return swappable(self._opener.open_profile(key))
+
+    def open_free(self) -> Performer:
+        """Make a tracker that needs no profile."""
+        return swappable(self._opener.open_free())
+
+
+def swappable(performer: Performer) -> Performer:
+    """Return the performer with a tracker that can be replaced."""
+    return Performer(SwappedTracker(performer.tracker), performer.user, performer.learned)
+
+
+class LiveChain:
+    """Drives what was solved and tells all who listen; `solved` runs in the live thread."""
+
+    def __init__(self, drive: Driver, first: Listener) -> None:
+        """Prepare to hand states on.
+
+        Args:
+            drive: From the solved face to what the avatar does.
+            first: Told before all others, that is the avatar: its picture shall not wait.
+        """
+        self.drive = drive
+        # Replaced as a whole, so that the live thread always iterates over one that stays.
+        self._listeners: tuple[Listener, ...] = ()
+        self._first = first
+
+    def add(self, listener: Listener) -> None:
+        """Tell somebody of every frame from the next one on; from any thread."""
+        self._listeners = (*self._listeners, listener)
+
+    def remove(self, listener: Listener) -> None:
+        """Tell somebody no more; a frame under way may still come."""
+        self._listeners = tuple(one for one in self._listeners if one != listener)
+
+    def solved(self, frame: Frame, state: FaceState, delivered_s: float) -> FaceState:
+        """Return what the avatar makes of a state, after everybody was told."""
+        driven = self.drive.step(state)
+        self._first(frame, state, driven, delivered_s)
+        for listener in self._listeners:
+            listener(frame, state, driven, delivered_s)
+        return driven

@@ -1,0 +1,86 @@
+"""Shows what the live view makes: the two pictures, what lies over them, and the numbers."""
+
+import time
+
+from PySide6.QtCore import QObject
+
+from app.controllers.matching import DelayMatch
+from app.controllers.meter import Meter
+from app.controllers.remarks import SEARCHING, state_name
+from app.views.live_window import LiveWindow
+from app.views.picture_view import Overlay, image_from_array
+from app.views.status_row import LiveNumbers
+from app.workers.avatar_loop import Painted
+from app.workers.live_loop import LiveResult
+from core.landmarks import CURVES, N_INTERNAL
+from core.records import FaceState, Frame
+
+#: The last landmarks stand for the outline but lie on the skin: they are dots, not a line.
+DRAWN_CURVES = tuple(curve for curve in CURVES if max(curve) < N_INTERNAL)
+#: Below this confidence landmarks are drawn in the warning colour.
+SURE = 0.5
+
+
+class Showing(QObject):
+    """The screen's side of the live view; remembers the newest state."""
+
+    def __init__(self, window: LiveWindow, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._window = window
+        self._meter, self._match = Meter(), DelayMatch()
+        self.state: FaceState | None = None
+
+    def reset(self) -> None:
+        """Begin anew with another source."""
+        self.state = None
+        self._meter.reset()
+        self._match.reset()
+
+    def count(self, frame: Frame, state: FaceState, delivered_s: float) -> None:
+        """Count a solved frame; called in the live thread."""
+        self._meter.count(frame, state, 1000 * (time.perf_counter() - delivered_s))
+
+    def show_solved(self, result: LiveResult) -> None:
+        """Show a frame, unless its avatar picture is about to come."""
+        self.state = result.state
+        if self._match.on_solved(result.frame):
+            self._show_frame(result.frame, result.state)
+
+    def show_painted(self, painted: Painted) -> None:
+        """Show the avatar and the frame that its pose was solved from."""
+        wish = painted.wish
+        if wish.delivered_s is not None:
+            self._meter.count_latency(1000 * (painted.ready_s - wish.delivered_s))
+        self._window.avatar_pane.show_picture(image_from_array(painted.picture))
+        if wish.frame is None or wish.solved is None:
+            return
+        if self._match.on_painted(wish.frame):
+            self._show_frame(wish.frame, wish.solved)
+
+    def show_numbers(self, busy: bool) -> None:
+        """Show the state of tracking and the speeds.
+
+        Args:
+            busy: Whether a source is played or being opened.
+        """
+        meter = self._meter
+        has_picture = self._window.source_pane.has_picture
+        name = state_name(busy, has_picture, self.state, meter.confidence)
+        self._window.show_numbers(
+            LiveNumbers(
+                name, meter.confidence, meter.frames_per_second(), meter.solve_ms,
+                meter.latency_ms, meter.dropped,
+            )
+        )  # fmt: skip
+
+    def _show_frame(self, frame: Frame, state: FaceState) -> None:
+        image = image_from_array(frame.rgb)
+        if state.lost:
+            self._window.source_pane.show_picture(image, badge=SEARCHING)
+        else:
+            self._window.source_pane.show_picture(image, self._overlay(state))
+
+    def _overlay(self, state: FaceState) -> Overlay | None:
+        if not self._window.landmarks_wanted:
+            return None
+        return Overlay(state.landmarks_px, DRAWN_CURVES, certain=state.confidence > SURE)

@@ -1,0 +1,70 @@
+"""Panels beside the pictures: hidden at first, in the menu, moved and closed as the user likes."""
+
+from PySide6.QtCore import QObject, Qt
+from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QMenu, QWidget
+
+AREAS = {
+    "right": Qt.DockWidgetArea.RightDockWidgetArea,
+    "bottom": Qt.DockWidgetArea.BottomDockWidgetArea,
+}
+
+
+class Panels(QObject):
+    """Keeps the panels of a window; each is known by a key, under which it is remembered."""
+
+    def __init__(self, window: QMainWindow, menu: QMenu) -> None:
+        """Prepare to add panels to a window and their entries to a menu."""
+        super().__init__(window)
+        self._window, self._menu = window, menu
+        self._docks: dict[str, QDockWidget] = {}
+
+    def add(
+        self, key: str, title: str, widget: QWidget, shortcut: str = "", area: str = "right"
+    ) -> QAction:
+        """Add a panel; return the entry that shows and hides it.
+
+        Args:
+            key: Of the panel, without spaces; never change it, positions are kept under it.
+            title: For people.
+            widget: The content.
+            shortcut: Such as "Ctrl+K".
+            area: One of AREAS.
+        """
+        dock = QDockWidget(title, self._window)
+        dock.setObjectName(f"panel.{key}")
+        dock.setAllowedAreas(
+            AREAS["right"] | AREAS["bottom"] | Qt.DockWidgetArea.LeftDockWidgetArea
+        )
+        dock.setWidget(widget)
+        widget.setAccessibleName(widget.accessibleName() or title)
+        self._window.addDockWidget(AREAS[area], dock)
+        self._stack(dock, area)
+        dock.hide()
+        self._docks[key] = dock
+        action = dock.toggleViewAction()
+        action.setShortcut(QKeySequence(shortcut))
+        self._menu.addAction(action)
+        action.triggered.connect(lambda shown: self.show(key) if shown else None)
+        return action
+
+    def dock(self, key: str) -> QDockWidget:
+        """Return the panel of a key."""
+        return self._docks[key]
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of all panels, in the order in which they were added."""
+        return tuple(self._docks)
+
+    def show(self, key: str) -> None:
+        """Show a panel, in front of those at its place."""
+        self._docks[key].show()
+        self._docks[key].raise_()
+
+    def _stack(self, dock: QDockWidget, area: str) -> None:
+        """Put a panel behind those of its side, as tabs: side by side they leave no picture."""
+        for other in self._docks.values():
+            if self._window.dockWidgetArea(other) == AREAS[area]:
+                self._window.tabifyDockWidget(other, dock)
+                return
