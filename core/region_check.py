@@ -42,4 +42,5 @@ def region_shares(corners: I32, weights: F32) -> F32:
     """
     nearest = corners[np.arange(len(corners)), weights.argmax(axis=1)]
     shares = SHAPE_REGIONS[nearest] == np.arange(N_REGIONS)[:, None]
-    return (shares / np.maximum(shares.sum(axis=1, keepdims=True), 1)).astype(np.float32)
+    parts = shares / np.maximum(shares.sum(axis=1, keepdims=True), 1)
+    return np.asarray(parts, np.float32)
