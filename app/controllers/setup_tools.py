@@ -10,11 +10,10 @@ from app.models import Looking, free_tracker, load_aligner
 from app.performer.prompted import PromptedPerformer
 from app.profiles import data_folder, profile_folder
 from app.setup_steps import rivals
+from app.shelf import Shelf
 from app.views.choice import Choice
 from app.workbook import Workbook, first_fit
-from core.draft import Draft
 from core.free_live import FreeTracker
-from core.generations import DRAFT_NAME, HEADER_NAME
 from core.landmark_refit import Refitter
 from core.records import U8, Landmarks2D, Progress
 
@@ -62,27 +61,9 @@ class SetupTools(Toolbox):
         tracker = free_tracker(models, looking=Looking("every"))
         return tracker, lambda rgb: rivals(models.aligner.detect(rgb))
 
-    def profiles_folder(self) -> str:
-        """Return where profiles live."""
-        return str(data_folder() / "profiles")
-
-    def profiles_told(self) -> list[tuple[str, str]]:
-        """Return the profiles, finished or not, each with what is to be known about it."""
-        parent = data_folder() / "profiles"
-        folders = sorted(parent.iterdir(), key=lambda path: path.name.casefold()) if (
-            parent.is_dir()
-        ) else []  # fmt: skip
-        told = []
-        for folder in folders:
-            n_new = len(Draft(folder).names()) if (folder / DRAFT_NAME).is_dir() else 0
-            trained = (folder / HEADER_NAME).exists()
-            if trained and n_new:
-                told.append((folder.name, f"trained; {n_new} pictures changed since"))
-            elif trained:
-                told.append((folder.name, "trained"))
-            elif n_new:
-                told.append((folder.name, f"{n_new} pictures taken, not yet trained"))
-        return told
+    def shelf(self) -> Shelf:
+        """Return the user's profiles."""
+        return Shelf(data_folder() / "profiles")
 
     def open_book(self, name: str) -> Workbook:
         """Open the pictures of a profile, which need not be there.

@@ -5,9 +5,10 @@ from typing import Protocol
 
 from PySide6.QtCore import QObject, Signal
 
-from app.controllers import capture_tools
+from app.controllers import capture_tools, shelving
 from app.controllers.capturing import CaptureController
 from app.controllers.editing import EditorController
+from app.controllers.shelving import ShelfController
 from app.controllers.training import TrainingController
 from app.errors import AppError
 from app.views.editor.editor_window import EditorWindow
@@ -20,21 +21,16 @@ from core.landmark_refit import Refitter
 from core.pipeline import LEAST_PICTURES
 from core.records import Progress
 
+#: What to say of a profile without pictures.
+DELETED = (
+    "The pictures of {name} were deleted: there are no landmarks to look at. The trained model is "
+    f"kept and follows your face. To improve it take at least {LEAST_PICTURES} new pictures; a "
+    "training then uses these alone."
+)
 
-class Tools(capture_tools.Tools, Protocol):
+
+class Tools(capture_tools.Tools, shelving.Tools, Protocol):
     """What is needed of the toolbox."""
-
-    def profiles_folder(self) -> str:
-        """Return where profiles live."""
-        ...
-
-    def name_trouble(self, name: str) -> str:
-        """Return what is wrong with the name of a profile, or an empty text."""
-        ...
-
-    def profiles_told(self) -> list[tuple[str, str]]:
-        """Return the profiles, finished or not, each with what is to be known about it."""
-        ...
 
     def open_book(self, name: str) -> Workbook:
         """Open the pictures of a profile, which need not be there."""
@@ -68,6 +64,7 @@ class SetupController(QObject):
         self._step, self._fitting = "start", ""
         self._editor: EditorController | None = None
         self._job: Job | None = None
+        self.shelving = ShelfController(window.start, tools, self._release, self)
         self.capturing = CaptureController(window.capture, tools, self)
         self.training = TrainingController(window.train, tools.train, self)
         self._connect()
@@ -84,8 +81,7 @@ class SetupController(QObject):
 
     def start(self, name: str = "") -> None:
         """Show the first page, or go on with a profile."""
-        self._window.start.show_place(self._tools.profiles_folder(), self._tools.name_trouble)
-        self._window.start.show_profiles(self._tools.profiles_told())
+        self.shelving.show()
         self._window.show_step("start")
         self._unlock()
         if name:
@@ -110,7 +106,9 @@ class SetupController(QObject):
         self._leave()
         self._step = step
         self._window.show_step(step)
-        if self._book is not None:
+        if step == "start":
+            self.shelving.show()
+        elif self._book is not None:
             self._enter(self._book, picture)
         self._unlock()
 
@@ -122,6 +120,8 @@ class SetupController(QObject):
         window.next_button.clicked.connect(self._next)
         window.closing.connect(self.stop)
         window.start.chosen.connect(self._open)
+        self.shelving.copied.connect(self._open)
+        self.shelving.failed.connect(window.message_bar.tell)
         self.capturing.changed.connect(self._unlock)
         self.training.trained.connect(self._unlock)
         self.training.picture_wanted.connect(lambda name: self.show("check", name))
@@ -133,9 +133,19 @@ class SetupController(QObject):
         except (CoreError, AppError) as error:
             self._window.message_bar.tell(str(error))
             return
-        self._window.message_bar.tell("")
+        self._window.message_bar.tell(
+            DELETED.format(name=name) if self._book.pictures_deleted else ""
+        )
         self._window.setWindowTitle(f"{name} – setup – facepuppet")
         self.show("capture")
+
+    def _release(self, name: str) -> None:
+        """End all work on a profile of which something is about to be deleted."""
+        if self._book is not None and self._book.folder.name == name:
+            self.training.stop()
+            self._book = None
+            self._window.setWindowTitle("Setup – facepuppet")
+            self._unlock()
 
     def _enter(self, book: Workbook, picture: str) -> None:
         if self._step == "capture":
@@ -163,7 +173,8 @@ class SetupController(QObject):
     def _unlocked(self) -> dict[str, bool]:
         enough = self._book is not None and self._book.n_usable >= LEAST_PICTURES
         return {
-            "start": True, "capture": self._book is not None, "check": enough, "train": enough,
+            "start": True, "capture": self._book is not None, "check": enough,
+            "train": enough or (self._book is not None and self._book.profile is not None),
         }  # fmt: skip
 
     def _unlock(self) -> None:

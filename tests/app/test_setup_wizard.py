@@ -1,140 +1,29 @@
 """Facts about the guided setup, on real widgets with a camera and a face of our own."""
 
-from queue import SimpleQueue
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from app.controllers import capture_tools
 from app.controllers.capturing import ORDER, QUICK, told
-from app.controllers.setup_wizard import SetupController
 from app.errors import AppError
 from app.report import report_html
-from app.views.setup.setup_window import STEPS, SetupWindow
-from app.workbook import Workbook, first_fit
-from core.capture_judge import Judgement, Taken
+from app.views.setup.setup_window import STEPS
+from app.workbook import Workbook
 from core.generations import ProfileUnwritableError
-from core.landmark_refit import Refitter
-from core.records import Progress
 from core.setup_plan import SHOTS
-from core.shot_match import Match
-from core.shutter import ShutterState
-from tests.app.live_fakes import CAMERA, FakeToolbox, make_state
-from tests.core.held_out_person import face_model, filmed, person
+from tests.app.live_fakes import CAMERA
+from tests.app.setup_fakes import (  # noqa: F401  fixtures
+    begin,
+    close,
+    open_setup,
+    people,
+    setup,
+    shoot,
+)
 
 SPACE, BACKSPACE = Qt.Key.Key_Space, Qt.Key.Key_Backspace
 BY_NAME = {shot.name: shot for shot in SHOTS}
-
-
-@pytest.fixture(scope="module")
-def people():
-    """Landmarks of somebody who follows each prompt that the network could see."""
-    seen = [shot for shot in SHOTS if abs(shot.yaw) < 1.2]
-    film = filmed(person(0), seen, np.random.default_rng(3), noise_px=0.3)
-    return dict(zip((shot.name for shot in seen), film.landmarks, strict=True))
-
-
-class FakeCaptureTracker:
-    """Judges as the test wants: takes a picture in each frame while `obeys`."""
-
-    def __init__(self, tools, judge):
-        self.tools, self.judge = tools, judge
-        self.taken, self.judged = SimpleQueue(), self
-
-    def take(self):
-        return self.last
-
-    def step(self, frame):
-        shot = self.judge._shot
-        turn = Match(np.deg2rad(self.tools.turn_deg), False, True, 1.0)
-        state = ShutterState("holding", 0.4, False)
-        self.last = Judgement(self.tools.advice, turn if shot else None, state, None)
-        if shot is not None and (self.tools.obeys or self.judge._now_wanted):
-            self.judge._now_wanted = False
-            if not self.judge._paused:
-                marks = self.tools.landmarks.get(shot.name)
-                self.taken.put(Taken(shot, frame, marks, dict(self.tools.quality)))
-                self.judge.ask(None)
-        return make_state(frame.time_s)
-
-    def reset(self):
-        pass
-
-
-class FakeTools(FakeToolbox):
-    def __init__(self, root, landmarks, cameras=(CAMERA,)):
-        super().__init__(cameras)
-        self.root, self.landmarks = root, landmarks
-        self.obeys, self.turn_deg, self.advice, self.quality = False, (0.0, 0.0, 0.0), "", {}
-        self.prompted, self.trained_with = [], []
-
-    def prompt(self, name):
-        self.prompted.append(name)
-
-    def profiles_folder(self):
-        return str(self.root)
-
-    def profiles_told(self):
-        return [(path.name, "some pictures") for path in sorted(self.root.iterdir())]
-
-    def open_book(self, name):
-        return Workbook(self.root / name, lambda rgb: None)
-
-    def first_fit(self, book):
-        camera, user = yield from first_fit(face_model(), book)
-        return Refitter(face_model(), user, camera)
-
-    def train(self, book):
-        self.trained_with.append(book.names)
-        yield Progress(1, 2, "Calibrating", {"focal_px": 600.0, "error": 2.0})
-        return "Trained."
-
-
-@pytest.fixture
-def setup(qtbot, tmp_path, people, monkeypatch):
-    return open_setup(qtbot, tmp_path / "profiles", people, monkeypatch)
-
-
-def open_setup(qtbot, root, people, monkeypatch, cameras=(CAMERA,)):
-    root.mkdir(exist_ok=True)
-    tools = FakeTools(root, people, cameras)
-    monkeypatch.setattr(
-        capture_tools, "CaptureTracker",
-        lambda tracker, rivals, judge: FakeCaptureTracker(tools, judge),
-    )  # fmt: skip
-    tools.capture_tracker = lambda: (None, None)
-    window = SetupWindow()
-    qtbot.addWidget(window)
-    controller = SetupController(window, tools)
-    window.resize(1280, 720)
-    window.show()
-    controller.start()
-    found = SimpleNamespace(window=window, controller=controller, tools=tools, root=root)
-    return found
-
-
-def begin(qtbot, setup, name="me"):
-    setup.window.start.name.setText(name)
-    setup.window.start.begin_button.click()
-    page = setup.window.capture
-    qtbot.waitUntil(lambda: page.live._image is not None, timeout=5000)
-    return page
-
-
-def shoot(qtbot, setup, count):
-    setup.tools.obeys = True
-    qtbot.waitUntil(
-        lambda: sum(s != "missing" for s in setup.window.capture.sheet.states().values()) >= count,
-        timeout=20000,
-    )
-    setup.tools.obeys = False
-
-
-def close(setup):
-    setup.window.close()
 
 
 def test_a_name_is_needed_and_wrong_ones_are_explained(setup):
@@ -144,7 +33,7 @@ def test_a_name_is_needed_and_wrong_ones_are_explained(setup):
     assert not start.begin_button.isEnabled() and "'?'" in start.remark.text()
     start.name.setText("me")
     assert start.begin_button.isEnabled() and start.remark.text() == ""
-    assert str(setup.root) in start.text.text()
+    assert str(setup.root) in start.stored.text()
 
 
 def test_steps_unlock_in_order(qtbot, setup):
@@ -193,7 +82,7 @@ def test_a_setup_that_was_closed_goes_on_where_it_stopped(qtbot, setup, people, 
     qtbot.waitUntil(lambda: not setup.tools.open_now, timeout=5000)
     taken = len(Workbook(setup.root / "me", lambda rgb: None).names)
     again = open_setup(qtbot, setup.root, people, monkeypatch)
-    assert again.window.start.profiles.count() == 1
+    assert again.window.start.profiles.names == ["me"]
     begin(qtbot, again)
     assert again.controller.capturing.shot.name == ORDER[taken].name
     close(again)
