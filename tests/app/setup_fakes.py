@@ -4,7 +4,6 @@ from queue import SimpleQueue
 from types import SimpleNamespace
 
 import numpy as np
-import pytest
 
 from app.controllers import capture_tools
 from app.controllers.setup_wizard import SetupController
@@ -21,8 +20,7 @@ from tests.app.live_fakes import CAMERA, FakeToolbox, make_state
 from tests.core.held_out_person import face_model, filmed, person
 
 
-@pytest.fixture(scope="module")
-def people():
+def seen_people():
     """Landmarks of somebody who follows each prompt that the network could see."""
     seen = [shot for shot in SHOTS if abs(shot.yaw) < 1.2]
     film = filmed(person(0), seen, np.random.default_rng(3), noise_px=0.3)
@@ -80,11 +78,6 @@ class FakeTools(FakeToolbox):
         self.trained_with.append(book.names)
         yield Progress(1, 2, "Calibrating", {"focal_px": 600.0, "error": 2.0})
         return "Trained."
-
-
-@pytest.fixture
-def setup(qtbot, tmp_path, people, monkeypatch):
-    return open_setup(qtbot, tmp_path / "profiles", people, monkeypatch)
 
 
 def open_setup(qtbot, root, people, monkeypatch, cameras=(CAMERA,)):

@@ -13,17 +13,20 @@ from app.workbook import Workbook
 from core.generations import ProfileUnwritableError
 from core.setup_plan import SHOTS
 from tests.app.live_fakes import CAMERA
-from tests.app.setup_fakes import (  # noqa: F401  fixtures
-    begin,
-    close,
-    open_setup,
-    people,
-    setup,
-    shoot,
-)
+from tests.app.setup_fakes import begin, close, open_setup, seen_people, shoot
 
 SPACE, BACKSPACE = Qt.Key.Key_Space, Qt.Key.Key_Backspace
 BY_NAME = {shot.name: shot for shot in SHOTS}
+
+
+@pytest.fixture(scope="module")
+def people():
+    return seen_people()
+
+
+@pytest.fixture
+def setup(qtbot, tmp_path, people, monkeypatch):
+    return open_setup(qtbot, tmp_path / "profiles", people, monkeypatch)
 
 
 def test_a_name_is_needed_and_wrong_ones_are_explained(setup):

@@ -53,8 +53,7 @@ class ProfileTable(QTreeWidget):
             self.addTopLevelItem(_row(profile))
         names = self.names
         row = names.index(before.name) if before is not None and before.name in names else 0
-        if names:
-            self.setCurrentItem(self.topLevelItem(row))
+        self.setCurrentIndex(self.model().index(row, 0))
 
 
 def _profile(item: QTreeWidgetItem | None) -> Shelved:

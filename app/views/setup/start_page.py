@@ -133,8 +133,8 @@ class StartPage(QWidget):
         """Offer what can be done with the selected profile."""
         profile = self.profiles.current
         whole = profile is not None and not profile.trouble
-        can_clear = whole and profile is not None and profile.trained and bool(profile.n_pictures)
-        for key, button in self.buttons.items():
+        can_clear = profile is not None and whole and profile.trained and profile.n_pictures > 0
+        for button in self.buttons.values():
             button.setEnabled(profile is not None)
         self.buttons["open"].setEnabled(whole)
         self.buttons["copy"].setEnabled(whole)
