@@ -1,0 +1,125 @@
+"""From what a recording left on the disk to a take, after its end or after a crash."""
+
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+
+from app.errors import AppError
+from app.recording.sink import PartialFile
+from app.takes.film import FILM_NAME, mend
+from app.takes.library import (
+    HEADER,
+    PART,
+    TRACK,
+    Take,
+    TakeError,
+    TakeFacts,
+    free_name,
+    read_facts,
+    read_take,
+    takes_folder,
+    visible_name,
+    write_facts,
+)
+from app.takes.rows import appended, mode_of, write_columns
+from core.camera import camera_for
+
+#: Rows as they come, until the take is complete.
+STATES = "states.bin"
+#: A recording shows every second that it lives; one silent for so long has been abandoned.
+SILENT_S = 12.0
+
+
+def complete(part: Path, facts: TakeFacts) -> Take | None:
+    """Make a take of what was recorded; without a single frame nothing stays.
+
+    Args:
+        part: The folder of the recording.
+        facts: As they were at its begin, with what is known of the video.
+
+    Raises:
+        OSError, OutputError: The disk takes no more; what was recorded stays for another try.
+    """
+    rows = appended(part / STATES)
+    if len(rows) == 0:
+        shutil.rmtree(part, ignore_errors=True)
+        return None
+    frame_s = 1 / max(facts.fps, 1.0)
+    facts = replace(
+        facts, frames=len(rows), seconds=float(rows["play_s"][-1]) + frame_s, mode=mode_of(rows)
+    )
+    track = PartialFile(part / TRACK)
+    try:
+        write_columns(track.path, rows, camera_for(facts.size_px, facts.focal_px))
+    except OSError:
+        track.discard()
+        raise
+    track.finish()
+    write_facts(part, facts)
+    # The map of the file must be gone before the file can be.
+    del rows
+    (part / STATES).unlink()
+    target = takes_folder() / visible_name(part)
+    if target.exists():
+        target = takes_folder() / free_name(target.name)
+    part.rename(target)
+    return read_take(target)
+
+
+def abandoned(now_s: float | None = None) -> list[Path]:
+    """Return recordings that nobody completes any more.
+
+    Args:
+        now_s: On the clock of the files' times.
+    """
+    now_s = time.time() if now_s is None else now_s
+    folder = takes_folder()
+    parts = folder.glob(f".*{PART}") if folder.is_dir() else iter(())
+    return [part for part in parts if now_s - _last_sign_s(part) > SILENT_S]
+
+
+def recover(part: Path) -> Take | None:
+    """Make a take of an abandoned recording.
+
+    Raises:
+        TakeError: It cannot be completed now.
+    """
+    facts = read_facts(part)
+    if facts is None:
+        shutil.rmtree(part, ignore_errors=True)
+        return None
+    try:
+        film = part / FILM_NAME
+        n_pictures = mend(film) if film.exists() else 0
+        return complete(part, replace(facts, video=n_pictures > 0))
+    except (OSError, AppError) as error:
+        raise TakeError(
+            f"the take {visible_name(part)}, whose recording was broken off, cannot be completed: "
+            f"{error}; make room and start again"
+        ) from None
+
+
+def recovered() -> Iterator[Take | TakeError]:
+    """Complete all abandoned recordings, one after the other."""
+    for part in abandoned():
+        try:
+            take = recover(part)
+        except TakeError as error:
+            yield error
+            continue
+        if take is not None:
+            yield take
+
+
+def show_life(part: Path) -> None:
+    """Let other programs see that this recording is not abandoned."""
+    with suppress(OSError):
+        (part / HEADER).touch()
+
+
+def _last_sign_s(part: Path) -> float:
+    header = part / HEADER
+    return header.stat().st_mtime if header.exists() else part.stat().st_mtime
