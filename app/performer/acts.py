@@ -213,6 +213,19 @@ def oscillate(amplitude: Sequence[float], rate_hz: float, cycles: float) -> Act:
     return Act(np.zeros((len(times), _N)), np.deg2rad(moved[:, :3]), moved[:, 3:])
 
 
+def step_out(pose: Sequence[float], way_s: float, stay_s: float) -> Act:
+    """Return going to a pose, staying there, and coming back.
+
+    Args:
+        pose: (yaw, pitch, roll in degrees, x, y, z shift in mm).
+        way_s: Time of either way.
+        stay_s: Time there.
+    """
+    times = grid(2 * way_s + stay_s)
+    moved = pulse(times, 0.0, way_s, stay_s, way_s)[:, None] * np.array(pose, float)
+    return Act(np.zeros((len(times), _N)), np.deg2rad(moved[:, :3]), moved[:, 3:])
+
+
 def pull_faces(
     names: Sequence[str],
     rng: np.random.Generator,

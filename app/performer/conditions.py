@@ -8,6 +8,9 @@ from core.records import U8
 
 GLASSES, BEARD, FRINGE, HAND = "glasses", "beard", "fringe", "hand"
 MICROPHONE, DIM = "microphone", "dim"
+HAND_EYE, STROKE, CUP = "hand_eye", "stroke", "cup"
+PASSER, NEIGHBOUR, POSTER = "passer", "neighbour", "poster"
+SWITCH, HUNTING = "switch", "hunting"
 
 #: What each condition is, for people.
 CONDITIONS: dict[str, str] = {
@@ -17,7 +20,17 @@ CONDITIONS: dict[str, str] = {
     HAND: "a hand that comes, covers the mouth and goes, again and again",
     MICROPHONE: "a microphone before the chin",
     DIM: "little light, and the webcam's noise in it",
+    HAND_EYE: "a hand that comes, covers the right eye and goes, again and again",
+    STROKE: "a hand that strokes over nose and mouth, again and again",
+    CUP: "a cup to drink from, again and again",
+    PASSER: "somebody who passes between performer and webcam, again and again",
+    NEIGHBOUR: "somebody who leans in beside the performer, nearer to the webcam",
+    POSTER: "a poster with a large face on the wall",
+    SWITCH: "light that is switched off and on, again and again",
+    HUNTING: "a webcam that does not find the right exposure",
 }
+#: Those that last: worn, held or lit all the time, but for the hand.
+LASTING = (GLASSES, BEARD, FRINGE, HAND, MICROPHONE, DIM)
 
 #: Share of the light that is left, and of the picture of the room; a screen adds blue.
 _LIGHT_LEFT, _ROOM_LEFT = 0.16, 0.42

@@ -1,4 +1,4 @@
-"""A hand that comes up from below, covers the mouth for a while and goes away again.
+"""A hand that comes up from below, covers mouth, eye or nose for a while and goes away again.
 
 Hand frame, mm: x along the fingers, y down, z from the back of the hand to the palm; origin in
 the palm. It is the performer's right hand.
@@ -8,7 +8,6 @@ import cv2
 import numpy as np
 
 from app.avatars.looks import Color
-from app.performer.curves import minimum_jerk
 from app.performer.shapes import Solid, surface_of, tube
 from app.render.scene import Material, placed
 from core.geometry import matrix_from_rotation_vector
@@ -41,10 +40,12 @@ _STEP_MM, _MELT_MM = 3.0, 5.0
 _LOW, _HIGH = np.array([-180.0, -96.0, -40.0]), np.array([154.0, 150.0, 52.0])
 #: Texture pixels per mm.
 _SCALE = 1.5
-#: Seconds of a round: away, coming up, covering, going down.
-AWAY_S, UP_S, COVER_S, DOWN_S = 1.2, 0.5, 1.8, 0.5
 #: Where the palm's origin is from the middle of the lips, head frame, when it covers them.
-_AT_LIPS_MM = np.array([-42.0, 18.0, -21.0])
+AT_LIPS_MM = np.array([-42.0, 18.0, -21.0])
+#: From the right eye's centre, when only that one is covered.
+AT_EYE_MM = np.array([-100.0, 22.0, -40.0])
+#: From the lips, when it strokes nose and upper lip.
+AT_NOSE_MM = np.array([-66.0, -22.0, -36.0])
 #: Where it is when it is away, from there, camera frame.
 _AWAY_MM = np.array([-70.0, 330.0, -40.0])
 _TILT_RAD = np.deg2rad(-14.0)
@@ -126,23 +127,15 @@ def sleeve_solid() -> Solid:
     return Solid(sleeve.points_mm, sleeve.triangles, sleeve.uv * [6.0, 10.0])
 
 
-def cover_share(time_s: float) -> float:
-    """Return how far up the hand is: 0 away, 1 over the mouth."""
-    since = time_s % (AWAY_S + UP_S + COVER_S + DOWN_S)
-    up = minimum_jerk(np.array((since - AWAY_S) / UP_S))
-    down = minimum_jerk(np.array((since - AWAY_S - UP_S - COVER_S) / DOWN_S))
-    return float(up - down)
-
-
-def hand_to_camera(head_to_camera: FloatArray, lips_mm: FloatArray, time_s: float) -> FloatArray:
+def hand_to_camera(head_to_camera: FloatArray, place_mm: FloatArray, share: float) -> FloatArray:
     """Return where the hand is, (4, 4).
 
     Args:
         head_to_camera: (4, 4).
-        lips_mm: (3,) middle of the person's lips, model frame.
-        time_s: In the take.
+        place_mm: (3,) of the palm when it is there, model frame.
+        share: How far it has come: 0 away, 1 there.
     """
     tilt = matrix_from_rotation_vector(np.array([0.0, 0.0, _TILT_RAD]))
-    out = head_to_camera @ placed(tilt, lips_mm + _AT_LIPS_MM)
-    out[:3, 3] += (1 - cover_share(time_s)) * _AWAY_MM
+    out = head_to_camera @ placed(tilt, place_mm)
+    out[:3, 3] += (1 - share) * _AWAY_MM
     return np.asarray(out)

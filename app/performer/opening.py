@@ -1,17 +1,21 @@
 """Puts a performance together from names: what the command line and the window ask for."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from app.avatars.wardrobe import load_wardrobe
 from app.performer.conditions import (
     CONDITIONS,
     DIM,
     DIM_SENSOR,
+    HUNTING,
+    SWITCH,
     check_conditions,
     dimmed,
     dimmed_room,
 )
+from app.performer.events import hunting_gain, switching_gain
+from app.performer.guests import other_than
 from app.performer.lights import LIGHTS
 from app.performer.people import CAST, load_person
 from app.performer.performer import FPS, Filming, VirtualPerformer
@@ -124,9 +128,14 @@ def _filmed(scenario: Scenario, take: Take, filming: Filming) -> VirtualPerforme
         dimmed(lights) if dim else lights,
         dimmed_room(room) if dim else room,
         scenario.conditions,
+        (dimmed(lights), dimmed_room(room)) if SWITCH in scenario.conditions else None,
+        load_person(asset("people.npz"), model, other_than(scenario.person)),
     )
     return VirtualPerformer(take, setting, filming)
 
 
 def _sensor(scenario: Scenario) -> SensorSettings:
-    return DIM_SENSOR if DIM in scenario.conditions else SensorSettings()
+    usual = DIM_SENSOR if DIM in scenario.conditions else SensorSettings()
+    gains = {SWITCH: switching_gain, HUNTING: hunting_gain}
+    chosen = [gain for name, gain in gains.items() if name in scenario.conditions]
+    return replace(usual, gain=chosen[-1]) if chosen else usual

@@ -11,17 +11,27 @@ from app.avatars.looks import Color, Looks
 from app.avatars.small_textures import cloth_texture
 from app.avatars.wardrobe import Wardrobe
 from app.performer.cap import cap_mesh, knit
-from app.performer.conditions import FRINGE, GLASSES, HAND, MICROPHONE
+from app.performer.conditions import CUP, FRINGE, GLASSES, HAND, HAND_EYE, MICROPHONE, STROKE
+from app.performer.cup import cup_material, cup_solid, cup_to_camera
+from app.performer.events import held_share, stroke_share
 from app.performer.glasses import frame_and_lenses, frame_material, lens_material
 from app.performer.growth import fringe
-from app.performer.hand import hand_skin, hand_solid, hand_to_camera, sleeve_solid
+from app.performer.hand import (
+    AT_EYE_MM,
+    AT_LIPS_MM,
+    AT_NOSE_MM,
+    hand_skin,
+    hand_solid,
+    hand_to_camera,
+    sleeve_solid,
+)
 from app.performer.microphone import body_material, grille_material, microphone
 from app.performer.people import CAST, Person
 from app.performer.posture import Posture
 from app.performer.shapes import Solid, mesh_of
 from app.render.renderer import Item, Renderer
 from app.render.scene import Material, Mesh
-from core.face_model import FaceModel
+from core.face_model import FaceModel, eye_centers_mm
 from core.landmarks import NAMES
 from core.records import FloatArray
 
@@ -86,8 +96,17 @@ def props_of(
             Prop(mesh_of(grille), grille_material(), on_body),
             Prop(mesh_of(rest), body_material(), on_body),
         ]
-    if HAND in conditions:
-        out += _hand(model, person, role.looks)
+    lips = lips_mm(model, person)
+    places = {
+        HAND: (lips + AT_LIPS_MM, held_share),
+        HAND_EYE: (eye_centers_mm(model, person.neutral_mm)[0] + AT_EYE_MM, held_share),
+        STROKE: (lips + AT_NOSE_MM, stroke_share),
+    }
+    for name, (place_mm, share) in places.items():
+        if name in conditions:
+            out += _hand(place_mm, share, role.looks)
+    if CUP in conditions:
+        out.append(_cup(lips))
     return out
 
 
@@ -112,14 +131,21 @@ def _fringe(head: Head, wardrobe: Wardrobe, looks: Looks) -> Prop:
     return Prop(mesh_of(solid, coverage), material, on_head)
 
 
-def _hand(model: FaceModel, person: Person, looks: Looks) -> list[Prop]:
-    lips, rng = lips_mm(model, person), np.random.default_rng(41)
+def _hand(place_mm: FloatArray, share: Callable[[float], float], looks: Looks) -> list[Prop]:
+    rng = np.random.default_rng(41)
 
     def placing(posture: Posture, time_s: float) -> FloatArray:
-        return hand_to_camera(posture.head_to_camera, lips, time_s)
+        return hand_to_camera(posture.head_to_camera, place_mm, share(time_s))
 
     cloth = Material("plain", cloth_texture(looks.shirt, rng), two_sided=True, repeated=True)
     return [
         Prop(mesh_of(hand_solid()), hand_skin(looks.skin, rng), placing),
         Prop(mesh_of(sleeve_solid()), cloth, placing),
     ]
+
+
+def _cup(lips: FloatArray) -> Prop:
+    def placing(posture: Posture, time_s: float) -> FloatArray:
+        return cup_to_camera(posture.head_to_camera, lips, held_share(time_s))
+
+    return Prop(mesh_of(cup_solid()), cup_material(), placing)

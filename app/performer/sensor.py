@@ -1,5 +1,6 @@
 """The synthetic webcam behind the lens: exposure, focus, noise, sharpening, compression."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import cv2
@@ -8,6 +9,11 @@ import numpy as np
 from core.records import F32, U8
 
 _N_NOISE_FIELDS = 4
+
+
+def steady(time_s: float) -> float:
+    """Return the gain of an exposure that stays the same."""
+    return 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +29,7 @@ class SensorSettings:
         shot_noise: Standard deviation in white beyond it, grey levels.
         flicker: Relative size of the changes of exposure.
         jpeg_quality: Of the compression on the wire, 1 to 100.
+        gain: Of the exposure at a time in s, on the encoded grey levels.
     """
 
     exposure_s: float = 1 / 60
@@ -33,6 +40,7 @@ class SensorSettings:
     shot_noise: float = 2.2
     flicker: float = 0.02
     jpeg_quality: int = 88
+    gain: Callable[[float], float] = steady
 
 
 class Sensor:
@@ -74,7 +82,7 @@ class Sensor:
         # Lamps on 50 Hz mains beat slowly with a 30 Hz camera; auto-exposure hunts slower.
         beat = 0.4 * np.sin(2 * np.pi * 1.3 * time_s + self._phases[2])
         hunt = 0.6 * np.sin(2 * np.pi * 0.17 * time_s + self._phases[3])
-        gain = 1 + self.settings.flicker * (beat + hunt)
+        gain = self.settings.gain(time_s) * (1 + self.settings.flicker * (beat + hunt))
         return np.asarray(np.clip(np.arange(256) * gain + 0.5, 0, 255).astype(np.uint8))
 
     def _add_noise(self, picture: U8, index: int) -> U8:

@@ -6,8 +6,10 @@ import numpy as np
 
 from app.avatars.build import Head, dressed
 from app.avatars.wardrobe import Wardrobe
-from app.performer.conditions import BEARD
+from app.performer.conditions import BEARD, POSTER
+from app.performer.events import light_is_on
 from app.performer.growth import bearded
+from app.performer.guests import Guests, guests_for, with_poster
 from app.performer.people import CAST, Person
 from app.performer.posture import Posture
 from app.performer.props import Props, props_of
@@ -31,6 +33,8 @@ class Setting:
         lights: In the room.
         room: (H, W, 3) what is behind the person.
         conditions: Keys of CONDITIONS: what the person wears or holds.
+        dark: The same lights and room while the lamps are switched off.
+        guest: Who else may come into the picture.
     """
 
     model: FaceModel
@@ -40,6 +44,8 @@ class Setting:
     lights: Lights
     room: U8
     conditions: tuple[str, ...] = ()
+    dark: tuple[Lights, U8] | None = None
+    guest: Person | None = None
 
 
 class Stage:
@@ -52,6 +58,15 @@ class Stage:
         self._puppet = Puppet(self._renderer, made_up(setting))
         props = props_of(model, person, wardrobe, setting.conditions)
         self._props = Props(self._renderer, props)
+        self._lit = setting.lights, setting.room
+        self._guests: Guests | None = None
+        if setting.guest is not None:
+            self._guests = guests_for(
+                self._renderer, model, setting.guest, wardrobe, setting.conditions
+            )
+        if POSTER in setting.conditions and self._guests is not None:
+            room = with_poster(setting.room, self._renderer, self._guests, setting.lights)
+            self._lit = setting.lights, room
 
     def shoot(
         self, expression: FloatArray, gaze_rad: FloatArray, posture: Posture, time_s: float = 0.0
@@ -72,8 +87,11 @@ class Stage:
         head, body = posture.head_to_camera, posture.body_to_camera
         items = self._puppet.items(expression, gaze_rad, head, body)
         items += self._props.items(posture, time_s)
-        setting = self._setting
-        return Scene(View(setting.camera), setting.lights, items, setting.room)
+        if self._guests is not None:
+            items += self._guests.items(time_s)
+        dark = self._setting.dark
+        lights, room = self._lit if dark is None or light_is_on(time_s) else dark
+        return Scene(View(self._setting.camera), lights, items, room)
 
     def release(self) -> None:
         """Free the renderer."""

@@ -207,6 +207,27 @@ def _mixed(rng: np.random.Generator) -> Act:
     )
 
 
+def _leaving(rng: np.random.Generator) -> Act:
+    """Leave the picture to a side, come back; the same downwards and to the other side."""
+    away = [[0, 0, 0, 520, 0, 0], [0, 0, 0, 0, 420, 0], [20, 0, 0, -520, 0, 0]]
+    parts = [acts.rest(1.2)]
+    for pose in away:
+        parts += [acts.step_out(pose, rng.uniform(0.4, 0.6), 0.6), acts.rest(1.0)]
+    return acts.join(parts)
+
+
+def _shake(rng: np.random.Generator) -> Act:
+    swings = (
+        ([38, 0, 0, 0, 0, 0], 2.6), ([0, 20, 0, 0, 0, 0], 3.0), ([0, 0, 24, 0, 0, 0], 2.6),
+        ([0, 0, 0, 110, 0, 0], 2.2), ([30, 12, 10, 60, 20, 0], 2.8),
+    )  # fmt: skip
+    parts = [acts.rest(1.0)]
+    for amplitude, rate_hz in swings:
+        parts += [acts.oscillate(amplitude, rate_hz * rng.uniform(0.95, 1.05), 2.5)]
+        parts += [acts.rest(0.7)]
+    return acts.join(parts)
+
+
 #: Every take by the name it has on the command line.
 TAKES: dict[str, Callable[[np.random.Generator], Act]] = {
     "mixed": _mixed,
@@ -218,6 +239,8 @@ TAKES: dict[str, Callable[[np.random.Generator], Act]] = {
     "asymmetric": asymmetric,
     "head_motion": head_motion,
     "statue": statue,
+    "leaving": _leaving,
+    "shake": _shake,
 }
 #: Takes in which not even an eyelid moves.
 LIFELESS = frozenset({"statue"})

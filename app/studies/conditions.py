@@ -6,9 +6,9 @@ from collections.abc import Generator, Sequence
 import numpy as np
 
 from app.models import Models
-from app.performer.conditions import HAND
-from app.performer.hand import cover_share
-from app.performer.opening import CONDITION_NAMES, PEOPLE, Scenario
+from app.performer.conditions import HAND, LASTING
+from app.performer.events import held_share
+from app.performer.opening import PEOPLE, Scenario
 from app.sources import open_source
 from app.studies.film import Film, Way, perform, track, watch
 from app.studies.measures import coefficient_errors, landmark_errors_px, pose_errors
@@ -50,7 +50,7 @@ def scenarios(person: str) -> dict[str, Scenario]:
         "plain": Scenario("talking", person),
         "asymmetric": Scenario("asymmetric", person),
     }
-    return out | {name: Scenario("talking", person, conditions=(name,)) for name in CONDITION_NAMES}
+    return out | {name: Scenario("talking", person, conditions=(name,)) for name in LASTING}
 
 
 def run(args: argparse.Namespace, models: Models) -> Generator[Progress, None, Report]:
@@ -85,7 +85,7 @@ def condition_rows(name: str, film: Film, models: Models) -> dict[str, list[Cell
     states = track(film, models, Way())
     rows = {name: condition_cells(film, states, range(len(states)))}
     if name == HAND:
-        covered = [n for n, time_s in enumerate(film.times_s) if cover_share(time_s) > _COVERING]
+        covered = [n for n, time_s in enumerate(film.times_s) if held_share(time_s) > _COVERING]
         rows[f"{name}, while it covers"] = condition_cells(film, states, covered)
     return rows
 

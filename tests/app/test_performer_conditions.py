@@ -7,6 +7,7 @@ from app.avatars.build import Head
 from app.avatars.wardrobe import Wardrobe, load_wardrobe
 from app.performer import hand
 from app.performer.conditions import DIM_SENSOR, check_conditions, dimmed, dimmed_room
+from app.performer.events import CALM_S, ROUND_S, held_share
 from app.performer.glasses import frame_and_lenses
 from app.performer.growth import fringe
 from app.performer.lights import LIGHTS
@@ -114,18 +115,16 @@ def test_the_hand_is_away_at_first_then_lies_over_the_lips(person, model):
     lips = lips_mm(model, person)
 
     def place(time_s: float) -> FloatArray:
-        matrix = hand.hand_to_camera(head, lips, time_s)
+        matrix = hand.hand_to_camera(head, lips + hand.AT_LIPS_MM, held_share(time_s))
         return solid.points_mm @ matrix[:3, :3].T + matrix[:3, 3]
 
     assert place(0.0)[:, 1].min() > lips[1] + 150
-    over = place(hand.AWAY_S + hand.UP_S + 0.5)
+    over = place(CALM_S + 1.0)
     near = over[np.linalg.norm(over[:, :2] - lips[:2], axis=1) < 12]
     assert len(near) > 20
     # It lies before the lips and touches them at most.
     assert (near[:, 2] - 600 < landmark(model, person, "lip_up_mid")[2] + 6).all()
-    np.testing.assert_allclose(
-        place(0.3), place(0.3 + hand.AWAY_S + hand.UP_S + hand.COVER_S + hand.DOWN_S), atol=1e-6
-    )
+    np.testing.assert_allclose(place(0.3), place(0.3 + ROUND_S), atol=1e-6)
 
 
 def test_the_hand_is_of_a_hands_size():

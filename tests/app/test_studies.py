@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.main import main
-from app.performer.hand import cover_share
+from app.performer.events import held_share
 from app.performer.opening import Scenario, open_performer
 from app.performer.people import load_person
 from app.performer.takes import make_take
@@ -288,7 +288,7 @@ def test_a_hand_is_judged_apart_while_it_covers(filmed, models):
     film = filmed("talking", 80)
     rows = conditions.condition_rows("hand", film, models)
     assert rows["hand"][0] == 80
-    covered = sum(cover_share(float(time_s)) > 0.9 for time_s in film.times_s)
+    covered = sum(held_share(float(time_s)) > 0.9 for time_s in film.times_s)
     assert rows["hand, while it covers"][0] == covered > 20
 
 
