@@ -11,12 +11,15 @@ import cv2
 import numpy as np
 from cv2_enumerate_cameras import enumerate_cameras
 
+from app.capture.holding import Held, hold, hold_again, release
 from app.capture.source import ClosedOnExit, frame_from_bgr
 from app.errors import CameraBusyError, CameraLostError, NoCameraError
 from core.records import U8, Frame
 
 #: Reads that may fail in a row before a camera counts as gone; a few fail after a mode change.
 PATIENCE = 10
+#: Frames until a picture shows what the camera was told.
+SETTLING = 4
 #: OpenCV's way to the cameras of each system; its own choice may try slow ones first.
 BACKENDS = {"linux": cv2.CAP_V4L2, "win32": cv2.CAP_DSHOW, "darwin": cv2.CAP_AVFOUNDATION}
 
@@ -57,6 +60,7 @@ class WebcamSource(ClosedOnExit):
         size_px: tuple[int, int] = (640, 480),
         cameras: Sequence[CameraEntry] | None = None,
         open_device: Callable[[int, int], Any] = cv2.VideoCapture,
+        held: Sequence[Held] = (),
     ) -> None:
         """Open a camera and wait for its first picture.
 
@@ -65,6 +69,7 @@ class WebcamSource(ClosedOnExit):
             size_px: Asked size; the camera may choose another.
             cameras: The cameras there are; looked up if not given.
             open_device: Opens (index, backend) like cv2.VideoCapture.
+            held: What `hold` returned before, to hold the camera so from the first picture on.
 
         Raises:
             NoCameraError: There is no camera of this number.
@@ -77,7 +82,9 @@ class WebcamSource(ClosedOnExit):
             raise NoCameraError(index, found)
         self.name, self._index = entry.name, 0
         self._device = open_device(index, BACKENDS.get(sys.platform, cv2.CAP_ANY))
+        self._held: tuple[Held, ...] = tuple(held)
         _ask_for(self._device, size_px)
+        hold_again(self._device, self._held)
         first = self._decode()
         if first is None:
             self.close()
@@ -99,9 +106,29 @@ class WebcamSource(ClosedOnExit):
         self._index += 1
         return frame
 
+    def hold(self) -> tuple[Held, ...]:
+        """Hold exposure, focus and white balance until the camera is closed, as far as it goes.
+
+        Takes some dozen frames; to be called by who reads.
+        """
+        self.let_go()
+        self._held = hold(self._device, self._level, sys.platform)
+        return self._held
+
+    def let_go(self) -> None:
+        """Let the camera choose by itself again."""
+        release(self._device, self._held)
+        self._held = ()
+
     def close(self) -> None:
-        """Give the camera back."""
+        """Give the camera back, as it was."""
+        self.let_go()
         self._device.release()
+
+    def _level(self) -> float:
+        """Return how bright pictures are some frames from now."""
+        pictures = [self._decode() for _ in range(SETTLING)]
+        return 0.0 if pictures[-1] is None else float(np.median(pictures[-1]))
 
     def _decode(self) -> U8 | None:
         for _ in range(PATIENCE):
