@@ -34,7 +34,7 @@ from core.records import (
     SetupShapes,
     UserBlendshapes,
 )
-from core.setup_plan import SHOTS, Shot
+from core.setup_plan import Shot, shot_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ class Pictures:
 
 def prompt_of(name: str) -> Shot | None:
     """Return the prompt of the picture with this file stem, None if it is no shot."""
-    return next((shot for shot in SHOTS if shot.name == name), None)
+    return shot_of(name)
 
 
 def sort_pictures(names: Sequence[str], landmarks: Sequence[Landmarks2D]) -> Sorting:

@@ -1,26 +1,40 @@
 """The report that a setup writes: errors on setup pictures that training did not see."""
 
 from collections.abc import Generator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from core.augmentation import AugmentationSettings
 from core.camera import project
-from core.evaluation import TABLE_LIMITS_PX, TABLE_WIDTH_PX, share_under
+from core.error_summary import by_expression, by_yaw, summary
+from core.evaluation import TABLE_WIDTH_PX
+from core.fern_regressor import FernRegressor
 from core.geometry import (
     head_angles_from_matrix,
     matrix_from_head_angles,
     matrix_from_quaternion,
     register_rigid,
 )
+from core.held_out_choice import held_out_rows
 from core.landmarks import N_LANDMARKS, SHAPE_NAMES
 from core.records import U8, Camera, FloatArray, Progress, SetupShapes
 from core.regressor import Regression
 from core.regressor_trainer import TrainSettings, train
-from core.training_set import TrainingSetSettings, make_training_set, similar_shapes
+from core.setup_plan import shot_of
+from core.training_set import (
+    TrainingSet,
+    TrainingSetSettings,
+    make_training_set,
+    similar_shapes,
+)
+from core.turned_views import TurnSettings
 
-#: Yaw bins of the report, in degrees.
-YAW_BINS = ((0.0, 15.0), (15.0, 40.0), (40.0, 95.0))
+#: Every picture once, as it is.
+_PLAIN = TrainingSetSettings(
+    n_translations=1, n_similar=1, n_guesses=1, turning=TurnSettings(further_deg=()),
+    augmentation=AugmentationSettings(exposure=0.0, lamp_share=0.0, occluded_share=0.0),
+)  # fmt: skip
 EYE_CORNERS = (SHAPE_NAMES.index("R_eye_outer"), SHAPE_NAMES.index("L_eye_outer"))
 
 
@@ -41,8 +55,45 @@ class HeldOutSettings:
     turn_rad: float = 0.05
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Measured:
+    """Pictures that a regressor is trained and tested on.
+
+    Attributes:
+        names: N file stems.
+        grays: (H, W) grey levels.
+        camera: Their camera.
+        shapes: Their 3D shapes; what the errors are measured against.
+    """
+
+    names: tuple[str, ...]
+    grays: tuple[U8, ...]
+    camera: Camera
+    shapes: SetupShapes
+
+    @property
+    def px_at_640(self) -> float:
+        """Return what makes px of these pictures px of pictures 640 px wide."""
+        return TABLE_WIDTH_PX / self.camera.size_px[0]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Try:
+    """One start on one held-out picture.
+
+    Attributes:
+        picture: Number of the picture.
+        errors_px: (L,) distance of every landmark, in px of pictures 640 px wide.
+        turn_deg: (3,) rotation that is left, as head angles.
+    """
+
+    picture: int
+    errors_px: FloatArray
+    turn_deg: FloatArray
+
+
 def held_out_report(
-    images_gray: Sequence[U8], camera: Camera, shapes: SetupShapes, rng: np.random.Generator,
+    pictures: Measured, rng: np.random.Generator,
     training: tuple[TrainingSetSettings, TrainSettings], settings: HeldOutSettings,
 ) -> Generator[Progress, None, dict[str, object]]:  # fmt: skip
     """Train on most pictures, measure on the rest.
@@ -51,36 +102,109 @@ def held_out_report(
     held-out face and disturbed, as the previous frame's shape would be in a video.
 
     Args:
-        images_gray: N pictures.
-        camera: Their camera.
-        shapes: Their 3D shapes; what the errors are measured against.
+        pictures: All of them.
         rng: Source of all random choices.
         training: Settings of the training set and of training.
         settings: Settings of the test.
 
     Yields:
-        Progress of the training.
+        Progress of the training, with the error in px of pictures 640 px wide after each stage on
+        pictures that are trained on and on held-out ones, from starts that are drawn alike.
 
     Returns:
         The figures; distances for pictures 640 px wide.
     """
-    n_images = len(images_gray)
-    held = np.arange(n_images) % settings.every == settings.every // 2
-    kept = np.flatnonzero(~held).tolist()
+    held = held_out_rows(pictures.names, settings.every)
+    kept = [n for n in range(len(pictures.names)) if n not in set(held)]
+    shapes_mm = pictures.shapes.points_mm
     training_set = make_training_set(
-        [images_gray[n] for n in kept], camera, shapes.points_mm[kept], rng, training[0]
+        [pictures.grays[n] for n in kept], pictures.camera, shapes_mm[kept], rng, training[0]
     )
-    regressor = yield from train(training_set, rng, training[1])
-    regression = Regression(regressor, camera)
-    rows: list[tuple[int, FloatArray, FloatArray]] = []
-    for n in np.flatnonzero(held).tolist():
-        truth = shapes.points_mm[n]
-        for start in _starts(shapes.points_mm[kept], truth, rng, settings):
-            found = regression.run(images_gray[n], start).points_mm
-            rows.append(
-                (int(n), _landmark_errors_px(camera, found, truth), _turn_deg(found, truth))
-            )
-    return _report(camera, shapes, rows)
+    # Of its own, so that the regressor is the same whether it is watched or not.
+    own = rng.spawn(1)[0]
+    alike = _nearest(shapes_mm, held, kept)
+    watched = {
+        "training_px": watched_pairs(pictures, alike, kept, own, settings),
+        "held_out_px": watched_pairs(pictures, held, kept, own, settings),
+    }
+    curves = StageCurves(pictures.px_at_640)
+    regressor = yield from curves.follow(train(training_set, rng, training[1], watched))
+    regression = Regression(regressor, pictures.camera)
+    tries = []
+    for n in held:
+        for start in _starts(shapes_mm[kept], shapes_mm[n], rng, settings):
+            found = regression.run(pictures.grays[n], start).points_mm
+            tries.append(_try(pictures, n, found))
+    return _report(pictures, tries) | {"stages": curves.told}
+
+
+def _nearest(shapes_mm: FloatArray, rows: Sequence[int], others: Sequence[int]) -> list[int]:
+    """Return those of the others that are most like one of the rows, each once."""
+    allowed, order = set(others), similar_shapes(shapes_mm, len(shapes_mm))
+    nearest = [next(int(n) for n in order[row] if int(n) in allowed) for row in rows]
+    return sorted(set(nearest))
+
+
+def watched_pairs(
+    pictures: Measured, rows: Sequence[int], known: Sequence[int], rng: np.random.Generator,
+    settings: HeldOutSettings,
+) -> TrainingSet:  # fmt: skip
+    """Return pairs of start and truth on some pictures, in their own light.
+
+    Args:
+        pictures: All of them.
+        rows: Those to start on.
+        known: Those whose shapes serve as starts, though not on themselves.
+        rng: Source of the disturbances.
+        settings: Of the test.
+    """
+    shapes_mm, starts = pictures.shapes.points_mm, []
+    for n in rows:
+        others = [other for other in known if other != n]
+        starts += _starts(shapes_mm[others], shapes_mm[n], rng, settings)
+    plain = make_training_set(
+        [pictures.grays[n] for n in rows], pictures.camera, shapes_mm[list(rows)], rng, _PLAIN
+    )
+    image = np.repeat(np.arange(len(rows), dtype=np.int32), settings.starts)
+    augmentation = plain.augmentation
+    calm = {
+        key: np.resize(
+            getattr(augmentation, key), (len(image), getattr(augmentation, key).shape[1])
+        )
+        for key in ("exposure", "lamp", "occluder")
+    }
+    return replace(
+        plain,
+        image=image,
+        shift_mm=np.zeros((len(image), 3), np.float32),
+        truth_mm=shapes_mm[list(rows)][image].astype(np.float32),
+        guess_mm=np.array(starts, np.float32),
+        augmentation=replace(augmentation, **calm),
+    )
+
+
+class StageCurves:
+    """Keeps the errors of watched pairs after each stage, scaled to pictures 640 px wide."""
+
+    def __init__(self, px_at_640: float) -> None:
+        self._scale = px_at_640
+        self.told: dict[str, list[float]] = {}
+
+    def follow(
+        self, steps: Generator[Progress, None, FernRegressor]
+    ) -> Generator[Progress, None, FernRegressor]:
+        """Pass a training through."""
+        while True:
+            try:
+                step = next(steps)
+            except StopIteration as end:
+                return end.value  # type: ignore[no-any-return]
+            errors = {
+                key: self._scale * value for key, value in step.plot.items() if key.endswith("_px")
+            }
+            for key, value in errors.items():
+                self.told.setdefault(key, []).append(value)
+            yield replace(step, plot=step.plot | errors)
 
 
 def _starts(
@@ -99,11 +223,11 @@ def _starts(
     return starts
 
 
-def _landmark_errors_px(camera: Camera, found_mm: FloatArray, truth_mm: FloatArray) -> FloatArray:
-    """Return the distance of every landmark (L,) in px of pictures 640 px wide."""
-    scale = TABLE_WIDTH_PX / camera.size_px[0]
-    both = project(camera, np.stack([found_mm, truth_mm])[:, :N_LANDMARKS])
-    return np.asarray(scale * np.linalg.norm(both[0] - both[1], axis=1))
+def _try(pictures: Measured, n: int, found_mm: FloatArray) -> Try:
+    truth_mm = pictures.shapes.points_mm[n]
+    both = project(pictures.camera, np.stack([found_mm, truth_mm])[:, :N_LANDMARKS])
+    errors_px = pictures.px_at_640 * np.linalg.norm(both[0] - both[1], axis=1)
+    return Try(n, errors_px, _turn_deg(found_mm, truth_mm))
 
 
 def _turn_deg(found_mm: FloatArray, truth_mm: FloatArray) -> FloatArray:
@@ -112,40 +236,40 @@ def _turn_deg(found_mm: FloatArray, truth_mm: FloatArray) -> FloatArray:
     return np.rad2deg(head_angles_from_matrix(rotation))
 
 
-def _report(
-    camera: Camera, shapes: SetupShapes, rows: list[tuple[int, FloatArray, FloatArray]]
-) -> dict[str, object]:
-    picture = np.array([row[0] for row in rows])
-    rmse = np.sqrt(np.mean(np.square([row[1] for row in rows]), axis=1))
-    turn = np.abs([row[2] for row in rows])
-    scale = TABLE_WIDTH_PX / camera.size_px[0]
-    eyes = scale * project(camera, shapes.points_mm[:, EYE_CORNERS])
-    # The eyes of a turned head are near each other in the picture; the widest view counts.
-    eye_px = float(np.linalg.norm(eyes[:, 0] - eyes[:, 1], axis=1).max())
-    matrices = matrix_from_quaternion(shapes.rotations_wxyz)
-    yaw = np.abs(np.rad2deg([head_angles_from_matrix(matrix)[0] for matrix in matrices]))[picture]
-    by_yaw = {}
-    for low, high in YAW_BINS:
-        mask = (yaw >= low) & (yaw < high)
-        if mask.any():
-            by_yaw[f"{low:g}-{high:g} deg"] = {
-                "tries": int(mask.sum()),
-                "median_rmse_px": float(np.median(rmse[mask])),
-                "share_under_px": share_under(rmse[mask], TABLE_LIMITS_PX),
-            }
-    return {
+def _report(pictures: Measured, tries: Sequence[Try]) -> dict[str, object]:
+    picture = np.array([one.picture for one in tries])
+    rmse = np.sqrt(np.mean(np.square([one.errors_px for one in tries]), axis=1))
+    turn = np.abs([one.turn_deg for one in tries])
+    matrices = matrix_from_quaternion(pictures.shapes.rotations_wxyz)
+    yaw = np.abs(np.rad2deg([head_angles_from_matrix(one)[0] for one in matrices]))
+    told = [shot_of(name) for name in pictures.names]
+    faces = np.array(["" if shot is None else shot.expression_name for shot in told])
+    eye_px = eye_distance_px(pictures)
+    return summary(rmse, turn, eye_px) | {
         "pictures": len(set(picture.tolist())),
-        "tries": len(rows),
-        "mean_rmse_px": float(rmse.mean()),
-        "median_rmse_px": float(np.median(rmse)),
-        "mean_percent_of_eye_distance": float(100 * rmse.mean() / eye_px),
-        "share_under_px": share_under(rmse, TABLE_LIMITS_PX),
-        "mean_turn_deg": dict(
-            zip(("yaw", "pitch", "roll"), turn.mean(axis=0).tolist(), strict=True)
-        ),
-        "by_yaw": by_yaw,
+        "tries": len(tries),
+        "eye_distance_px": eye_px,
+        "by_yaw": by_yaw(yaw[picture], rmse, turn),
+        "by_expression": by_expression(faces[picture], rmse, turn),
+        "by_picture": [
+            {
+                "name": pictures.names[n],
+                "rmse_px": float(rmse[picture == n].mean()),
+                "turn_deg": float(np.linalg.norm(turn[picture == n], axis=1).mean()),
+            }
+            for n in np.unique(picture)
+        ],
         "worst_pictures": _worst(picture, rmse),
     }
+
+
+def eye_distance_px(pictures: Measured) -> float:
+    """Return the distance of the outer eye corners in px of pictures 640 px wide.
+
+    The eyes of a turned head are near each other in the picture; the widest view counts.
+    """
+    eyes = project(pictures.camera, pictures.shapes.points_mm[:, EYE_CORNERS])
+    return float(pictures.px_at_640 * np.linalg.norm(eyes[:, 0] - eyes[:, 1], axis=1).max())
 
 
 def _worst(picture: FloatArray, rmse: FloatArray, count: int = 5) -> list[dict[str, float]]:

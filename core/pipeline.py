@@ -16,7 +16,7 @@ from core.camera import camera_for
 from core.errors import CoreError
 from core.evaluation import TABLE_WIDTH_PX
 from core.face_model import FaceModel
-from core.held_out import HeldOutSettings, held_out_report
+from core.held_out import HeldOutSettings, Measured, held_out_report
 from core.model_fit import FitSettings, fit_model
 from core.records import (
     U8,
@@ -166,10 +166,11 @@ def build(
         "recover",
         recover_shapes(model, user, camera, landmarks, fit, standard, settings.recovery),
     )
-    gray = [gray_from_rgb(image) for image in images.images]
+    gray = tuple(gray_from_rgb(image) for image in images.images)
     training = (settings.training_set, settings.train)
+    tested = Measured(images.names, gray, camera, shapes)
     held_out = yield from stages.run(
-        "held_out", held_out_report(gray, camera, shapes, rng, training, settings.held_out)
+        "held_out", held_out_report(tested, rng, training, settings.held_out)
     )
     samples = make_training_set(gray, camera, shapes.points_mm, rng, settings.training_set)
     regressor = yield from stages.run("train", train(samples, rng, settings.train))

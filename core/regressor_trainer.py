@@ -1,6 +1,6 @@
 """Training samples -> the two-level boosted fern regressor [Cao13, algorithm 1]."""
 
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -9,12 +9,12 @@ import numpy as np
 from core.appearance import AppearancePoints
 from core.appearance_check import CHECK_POINTS, AppearanceCheck, learn_check
 from core.head_size import size_gauge
-from core.kernels.ferns import add_leaves
 from core.kernels.training import best_pairs, find_leaves, grow_leaves, inverse_deviations
 from core.point_drawing import PointSettings, draw_points, mean_shape
 from core.records import F32, I8, I32, Progress
 from core.regressor import FernRegressor
 from core.sampling import sample
+from core.trained_stage import Stage, Watched, moved_by
 from core.training_set import TrainingSet
 
 
@@ -58,37 +58,21 @@ PAPER_SETTINGS = TrainSettings(
 )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Stage:
-    """One trained stage.
-
-    Attributes:
-        points: Where it looks.
-        pairs: (K, F, 2) indices of appearance points.
-        thresholds: (K, F).
-        leaves: (K, 2**F, C) steps along the basis.
-        basis: (C, Q, 3) mm per step.
-    """
-
-    points: AppearancePoints
-    pairs: I32
-    thresholds: F32
-    leaves: I8
-    basis: F32
-
-
 def train(
-    training_set: TrainingSet, rng: np.random.Generator, settings: TrainSettings | None = None
-) -> Generator[Progress, None, FernRegressor]:
+    training_set: TrainingSet, rng: np.random.Generator, settings: TrainSettings | None = None,
+    watched: Mapping[str, TrainingSet] | None = None,
+) -> Generator[Progress, None, FernRegressor]:  # fmt: skip
     """Learn to move guesses to truths; the same seed gives the same regressor.
 
     Args:
         training_set: Pictures, guesses and truths.
         rng: Source of all random choices.
         settings: Size of the regressor.
+        watched: Pairs that are taken through the stages, too; nothing is learned from them.
 
     Yields:
-        Progress, after every stage, with the mean distance that is left.
+        Progress, after every stage, with the mean distance that is left; of watched pairs also
+        the error in px after each stage, and before the first, under their keys.
 
     Returns:
         The regressor.
@@ -96,7 +80,12 @@ def train(
     settings = settings or TrainSettings()
     shape = mean_shape(training_set.shapes_mm)
     guess = training_set.guess_mm.copy()
-    stages = []
+    stages: list[Stage] = []
+    watches = {
+        key: Watched(pairs, settings.points.softening) for key, pairs in (watched or {}).items()
+    }
+    if watches:
+        yield Progress(0, settings.n_stages, "training", _watched(0, watches))
     for done in range(settings.n_stages):
         points = draw_points(shape, training_set.triangles, rng, settings.points)
         intensities = sample(training_set, guess, points, settings.points.softening)
@@ -104,9 +93,18 @@ def train(
         stages.append(stage[0])
         guess += stage[1]
         left = np.sqrt(np.mean(np.sum((training_set.truth_mm - guess) ** 2, axis=2)))
-        yield Progress(done + 1, settings.n_stages, "training", {"left_mm": float(left)})
+        for watch in watches.values():
+            watch.pass_on(stage[0])
+        told = {"left_mm": float(left)} | _watched(done + 1, watches)
+        yield Progress(done + 1, settings.n_stages, "training", told)
     check = learn_check(training_set, shape, rng)
     return _assemble(training_set, stages, check, settings.points.softening)
+
+
+def _watched(stage: int, watches: Mapping[str, Watched]) -> dict[str, float]:
+    """Return what is to be plotted of watched pairs."""
+    errors = {key: watch.error_px() for key, watch in watches.items()}
+    return {"stage": float(stage)} | errors if errors else {}
 
 
 def _train_stage(
@@ -138,10 +136,7 @@ def _train_stage(
         find_leaves(columns, pairs[k], places, thresholds[k], leaf[k])
         grow_leaves(leaf[k], settings.shrinkage, residuals, counts, leaves[k])
     steps, basis = _quantise(leaves, basis)
-    made = np.empty((len(residuals), len(basis)), np.int32)
-    add_leaves(steps, leaf, np.empty(made.shape, np.int16), made)
-    increments = np.einsum("sc,cqk->sqk", made.astype(np.float32), basis, optimize=True)
-    return Stage(points, pairs, thresholds, steps, basis), increments
+    return Stage(points, pairs, thresholds, steps, basis), moved_by(steps, basis, leaf)
 
 
 def _quantise(leaves: F32, basis: F32) -> tuple[I8, F32]:

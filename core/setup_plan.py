@@ -46,6 +46,9 @@ STANDARD_WEIGHTS: dict[str, dict[str, float]] = {
     "eyes_closed": {"eyeBlink": 1.0},
 }  # fmt: skip
 
+#: Between the name of a set of more pictures and that of the shot that it repeats.
+SET_MARK = "~"
+
 #: What the person is asked to do.
 REQUESTS: dict[str, str] = {
     "neutral": "Relax your face, lips closed, eyes open",
@@ -109,12 +112,24 @@ def coefficients(weights: dict[str, float]) -> FloatArray:
     return out
 
 
+def set_of(stem: str) -> str:
+    """Return the set of more pictures that a file stem belongs to, "" for a first one."""
+    return stem.rpartition(SET_MARK)[0]
+
+
+def shot_of(stem: str) -> Shot | None:
+    """Return the shot that a file stem repeats, None if it is none.
+
+    Pictures added later are named by their set and the shot: "glasses~smile_yaw+0".
+    """
+    name = stem.rpartition(SET_MARK)[2]
+    return next((shot for shot in SHOTS if shot.name == name), None)
+
+
 def standard_for(stem: str) -> FloatArray:
     """Return the coefficients a* (B,) of the shot with this file stem, NaN if it is no shot."""
-    for shot in SHOTS:
-        if shot.name == stem:
-            return shot.standard
-    return np.full(len(EXPRESSION_NAMES), np.nan)
+    shot = shot_of(stem)
+    return np.full(len(EXPRESSION_NAMES), np.nan) if shot is None else shot.standard
 
 
 def _turn_words(yaw_deg: int, pitch_deg: int, roll_deg: int) -> str:

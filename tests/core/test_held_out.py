@@ -9,7 +9,7 @@ import pytest
 from core import held_out
 from core.camera import project
 from core.geometry import matrix_from_head_angles, quaternion_from_matrix
-from core.held_out import HeldOutSettings, held_out_report
+from core.held_out import HeldOutSettings, Measured, held_out_report
 from core.landmarks import N_LANDMARKS
 from core.records import SetupShapes, Shape3D
 from core.regressor import Regression
@@ -48,11 +48,10 @@ def pictures_of(shapes):
 
 
 def report(user, shapes, training=(FEW, TINY), settings=None, seed=4):
-    steps = held_out_report(
-        pictures_of(shapes), user.camera, shapes, np.random.default_rng(seed), training,
-        settings or HeldOutSettings(),
-    )  # fmt: skip
-    return finish(steps)
+    names = tuple(f"frame_{n:05d}" for n in range(N_PICTURES))
+    pictures = Measured(names, tuple(pictures_of(shapes)), user.camera, shapes)
+    rng = np.random.default_rng(seed)
+    return finish(held_out_report(pictures, rng, training, settings or HeldOutSettings()))
 
 
 class Oracle:
@@ -176,8 +175,36 @@ def test_a_trained_regressor_beats_its_starts_and_the_report_is_plain(user, shap
     # 1 mm at 600 mm is about a pixel at 640 px width.
     assert found["mean_rmse_px"] < 0.5 * np.mean(starts_px)
     assert json.loads(json.dumps(found)) == found
-    assert [one.done for one in progress] == [1, 2, 3, 4] and progress[-1].total == 4
+    assert [one.done for one in progress] == [0, 1, 2, 3, 4] and progress[-1].total == 4
 
 
 def test_the_same_seed_gives_the_same_report(user, shapes):
     assert report(user, shapes)[0] == report(user, shapes)[0]
+
+
+def test_errors_are_told_by_expression_and_by_picture(user, shapes, monkeypatch):
+    oracle = Oracle(shapes, lambda picture: [8.0 if picture == 2 else 2.0, 0, 0])
+    monkeypatch.setattr(held_out, "Regression", oracle)
+    monkeypatch.setattr(held_out, "held_out_rows", lambda names, every: HELD)
+    names = [f"frame_{n}" for n in range(N_PICTURES)]
+    names[2], names[7], names[12] = "smile_yaw+0", "glasses~smile_yaw+30", "pose_yaw+0"
+    pictures = Measured(tuple(names), tuple(pictures_of(shapes)), user.camera, shapes)
+    steps = held_out_report(pictures, np.random.default_rng(4), (FEW, TINY), HeldOutSettings())
+    found = finish(steps)[0]
+    told = {one["name"]: one["rmse_px"] for one in found["by_picture"]}
+    assert list(told) == ["smile_yaw+0", "glasses~smile_yaw+30", "pose_yaw+0", "frame_17"]
+    tries = {face: part["tries"] for face, part in found["by_expression"].items()}
+    assert tries == {"smile": 10, "neutral": 5}
+    smile = found["by_expression"]["smile"]["median_rmse_px"]
+    assert told["glasses~smile_yaw+30"] < smile < told["smile_yaw+0"]
+
+
+def test_the_error_after_each_stage_is_told_of_trained_and_of_held_out_pictures(user, shapes):
+    found, progress = report(user, shapes, (CALM, SMALL))
+    stages = found["stages"]
+    assert set(stages) == {"training_px", "held_out_px"}
+    for key, errors in stages.items():
+        assert errors == [one.plot[key] for one in progress]
+        assert len(errors) == 5 and errors[-1] < 0.5 * errors[0]
+    # Starts are drawn alike, so both begin alike.
+    assert 0.6 < stages["training_px"][0] / stages["held_out_px"][0] < 1.7

@@ -1,0 +1,49 @@
+"""Facts about which pictures are kept for testing."""
+
+from core.extra_shots import SETS, extra_shots
+from core.held_out_choice import held_out_rows
+from core.setup_plan import SHOTS, shot_of
+
+NAMES = [shot.name for shot in SHOTS]
+
+
+def chosen(names, every=5):
+    return [names[row] for row in held_out_rows(names, every)]
+
+
+def test_every_expression_is_tested_once_and_trained_on_twice():
+    held = [shot_of(name).expression_name for name in chosen(NAMES)]
+    faces = {shot.expression_name for shot in SHOTS} - {"neutral"}
+    assert all(held.count(face) == 1 for face in faces)
+    assert held.count("neutral") == 3
+
+
+def test_tests_come_from_all_sides():
+    views = [shot_of(name).yaw for name in chosen(NAMES) if "pose" not in name]
+    assert [sum(yaw < 0 for yaw in views), sum(yaw > 0 for yaw in views)] == [5, 5]
+
+
+def test_pictures_that_come_or_go_do_not_change_which_others_are_tested():
+    live = [f"live-{n:04d}" for n in range(10)]
+    before = set(chosen(NAMES))
+    more = [*NAMES[:20], *NAMES[23:], *live]
+    after = set(chosen(more))
+    assert after - set(live) == before - set(NAMES[20:23])
+    assert len(after & set(live)) == 2
+    assert set(chosen(more + ["live-0010", "live-0011"])) >= after
+
+
+def test_of_added_sets_some_pictures_are_tested():
+    extra = [shot.name for shot in extra_shots(SETS[0])]
+    held = set(chosen(NAMES + extra))
+    assert 0 < len(held & set(extra)) < len(extra)
+
+
+def test_of_a_video_every_fifth_frame_is_tested():
+    frames = [f"frame_{n:05d}" for n in range(20)]
+    assert held_out_rows(frames, 5) == [2, 7, 12, 17]
+
+
+def test_where_no_picture_is_for_testing_every_fifth_is():
+    few = [name for name in NAMES if name not in chosen(NAMES)][:10]
+    assert held_out_rows(few, 5) == [2, 7]
