@@ -9,6 +9,8 @@ What the window and the live controller offer is told in app.views.live_window a
 app.controllers.live.
 """
 
+from app.controllers.arranging import Arranging
+from app.controllers.helping import attach_help
 from app.controllers.live import LiveController
 from app.controllers.tools import Tools
 from app.views.live_window import LiveWindow
@@ -18,7 +20,10 @@ def open_desk(tools: Tools) -> tuple[LiveWindow, LiveController]:
     """Return the live window and its controller, not started yet."""
     window = LiveWindow()
     controller = LiveController(window, tools)
+    arranging = Arranging(controller, window)
     attach_panels(controller, window, tools)
+    # Panels that are not there yet cannot be put where they were.
+    arranging.restore()
     return window, controller
 
 
@@ -30,3 +35,4 @@ def attach_panels(controller: LiveController, window: LiveWindow, tools: Tools) 
         window: Gets panels and menu entries.
         tools: What the features need of the rest of the program.
     """
+    attach_help(window)

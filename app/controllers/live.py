@@ -13,17 +13,17 @@ What other features build on:
   threads end, when panels have to end theirs.
 """
 
+from collections.abc import Sequence
+
 from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
 
 from app.controllers.choosing import ChoiceLists
 from app.controllers.face_desk import FaceDesk
 from app.controllers.live_chain import (
-    Driver,
     Listener,
     LiveChain,
     SwappedTracker,
     SwappingOpener,
-    Undriven,
 )
 from app.controllers.player import Opened, Performer, Player, Wanted
 from app.controllers.profile_maker import MadeProfile
@@ -50,6 +50,8 @@ from app.errors import AppError
 from app.sources import PERFORMER
 from app.views.choice import Choice
 from app.views.live_window import NO_PROFILE, LiveWindow
+from app.window_file import load_window
+from core.drive import Drive
 from core.errors import CoreError
 from core.records import FaceState, Frame, Progress
 
@@ -75,7 +77,7 @@ class LiveController(QObject):
         self._trouble, self._spell = False, FreeSpell()
         self._showing = Showing(window, self)
         self.scene = AvatarScene(tools, tools.avatars()[0].key, self)
-        self._chain = LiveChain(Undriven(), self._on_solved)
+        self._chain = LiveChain(Drive(), self._on_solved)
         self.player = Player(SwappingOpener(tools), self._chain.solved, self)
         self._switch = ProfileSwitch(tools, self)
         self._desk = FaceDesk(window, tools, self)
@@ -95,7 +97,7 @@ class LiveController(QObject):
         return self._wanted
 
     @property
-    def drive(self) -> Driver:
+    def drive(self) -> Drive:
         """From the solved face to what the avatar does."""
         return self._chain.drive
 
@@ -106,10 +108,12 @@ class LiveController(QObject):
             application.aboutToQuit.connect(self.stop)
         performer = Choice(PERFORMER, "Virtual performer")
         self._window.set_profile_rules(self._tools.name_trouble, performer)
-        cameras, names = self._tools.cameras(), self._tools.profiles()
-        profile = names[0] if names else NO_PROFILE.key
+        kept, names = load_window(), self._tools.profiles()
+        cameras = [camera.key for camera in self._tools.cameras()]
         self._timer.start(NUMBERS_EVERY_MS)
-        self._play(cameras[0].key if cameras else "", profile)
+        if kept.avatar in {avatar.key for avatar in self._tools.avatars()}:
+            self.scene.choose(kept.avatar)
+        self._play(_kept_or_first(kept.source, cameras), _kept_or_first(kept.profile, names))
 
     def stop(self) -> None:
         """End all threads; the source is closed."""
@@ -297,3 +301,8 @@ class LiveController(QObject):
     def _on_profile_made(self, made: MadeProfile) -> None:
         self.use_profile(made.name)
         self._window.message_bar.announce(made.text)
+
+
+def _kept_or_first(kept: str, there: Sequence[str]) -> str:
+    """Return what was used last if it is still there, else the first, else nothing."""
+    return kept if kept in there else next(iter(there), "")

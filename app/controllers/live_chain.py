@@ -6,38 +6,15 @@ All of it must stay well below a millisecond beside the tracker.
 """
 
 from collections.abc import Callable
-from typing import Protocol
 
 from app.capture.source import FrameSource
 from app.controllers.player import FaceTracker, Opener, Performer
+from core.drive import Drive
 from core.records import FaceState, Frame
 
 #: Called in the live thread: frame, solved state, driven state, when the frame was delivered on
 #: the clock of time.perf_counter.
 Listener = Callable[[Frame, FaceState, FaceState, float], None]
-
-
-class Driver(Protocol):
-    """What is needed of the chain from the solved face to what the avatar does."""
-
-    def step(self, state: FaceState) -> FaceState:
-        """Return what the avatar does; called in the live thread."""
-        ...
-
-    def reset(self) -> None:
-        """Forget the past, as after a cut; called while no frame is solved."""
-        ...
-
-
-class Undriven:
-    """Lets the avatar do exactly what was solved."""
-
-    def step(self, state: FaceState) -> FaceState:
-        """Return the state itself."""
-        return state
-
-    def reset(self) -> None:
-        """Remember nothing."""
 
 
 class SwappedTracker:
@@ -82,7 +59,7 @@ def swappable(performer: Performer) -> Performer:
 class LiveChain:
     """Drives what was solved and tells all who listen; `solved` runs in the live thread."""
 
-    def __init__(self, drive: Driver, first: Listener) -> None:
+    def __init__(self, drive: Drive, first: Listener) -> None:
         """Prepare to hand states on.
 
         Args:

@@ -5,13 +5,14 @@ Other features add to it, in app.controllers.desk:
 - `add_panel(key, title, widget, shortcut, area)`: a panel beside the pictures, hidden at first,
   listed in the menu View, its place remembered.
 - `menu(name)`: one of MENUS, to add actions to.
+- `deeds[key]`: the actions of app.views.live_actions.
 - `message_bar`: `tell` a trouble, `announce` good news, `offer` a text with buttons.
 """
 
 from collections.abc import Callable, Sequence
 
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QAction, QCloseEvent, QKeySequence, QPalette, QShortcut
+from PySide6.QtGui import QAction, QCloseEvent, QKeyEvent, QPalette
 from PySide6.QtWidgets import (
     QCheckBox,
     QHBoxLayout,
@@ -19,7 +20,6 @@ from PySide6.QtWidgets import (
     QMainWindow,
     QMenu,
     QPushButton,
-    QSplitter,
     QVBoxLayout,
     QWidget,
 )
@@ -28,10 +28,12 @@ from app.views.choice import Choice
 from app.views.chooser import Chooser
 from app.views.files import ask_for_video
 from app.views.job_row import JobRow
+from app.views.live_actions import LiveActions
 from app.views.message_bar import MessageBar
 from app.views.new_profile import NewProfileDialog
 from app.views.pane import Pane
 from app.views.panels import Panels
+from app.views.picture_pair import PicturePair
 from app.views.status_row import LiveNumbers, StatusRow
 
 #: Choices that open a dialog.
@@ -39,6 +41,9 @@ OPEN_FILE = Choice("?file", "Video file…", "Play a video in place of a camera 
 NEW_PROFILE = Choice("?new", "New profile…", "Make a profile from a video or pictures (Ctrl+N)")
 #: Key of the choice not to track.
 NO_PROFILE = Choice("", "No profile")
+MARGIN_PX = 8
+#: Qt's word for no limit.
+QWIDGETSIZE_MAX = 16777215
 #: The menus from the left.
 MENUS = ("File", "View", "Avatar", "Face", "Help")
 
@@ -59,16 +64,18 @@ class LiveWindow(QMainWindow):
         super().__init__()
         self.setWindowTitle("facepuppet")
         self.source_pane, self.avatar_pane = Pane("Source picture"), Pane("Avatar picture")
+        self.pair = PicturePair(self.source_pane, self.avatar_pane)
         self.sources, self.profiles = Chooser("Source"), Chooser("Profile")
         self.avatars = Chooser("Avatar")
         self.new_profile_button = QPushButton("&New profile…")
         self.mirror_box, self.landmarks_box = QCheckBox("&Mirror"), QCheckBox("&Landmarks")
         self.landmarks_box.setChecked(True)
         self.message_bar, self.job_row, self.status = MessageBar(), JobRow(), StatusRow()
-        self.hint = QLabel()
+        self.hint, self.choices = QLabel(), QWidget()
         self._name_trouble: Callable[[str], str] = lambda name: ""
         self._performer = Choice("", "")
         self._menus = {name: self.menuBar().addMenu(f"&{name}") for name in MENUS}
+        self.deeds = LiveActions(self, self._menus)
         self.panels = Panels(self, self._menus["View"])
         self._build()
         self._connect()
@@ -162,6 +169,26 @@ class LiveWindow(QMainWindow):
         dialog.guided_wanted.connect(self.guided_wanted)
         dialog.open()
 
+    def show_bare(self, bare: bool) -> None:
+        """Show nothing but the pictures, on the full screen; or all of the window again."""
+        # Not hidden: the keys of a hidden menu bar are dead.
+        self.menuBar().setMaximumHeight(0 if bare else QWIDGETSIZE_MAX)
+        self.choices.setHidden(bare)
+        self.status.setHidden(bare)
+        margin = 0 if bare else MARGIN_PX
+        self._layout.setContentsMargins(margin, margin, margin, 0 if bare else 2)
+        if bare:
+            self.showFullScreen()
+        else:
+            self.showNormal()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Leave the full screen with Esc."""
+        if event.key() == Qt.Key.Key_Escape and self.deeds.on("full"):
+            self.deeds["full"].setChecked(False)
+        else:
+            super().keyPressEvent(event)
+
     def closeEvent(self, event: QCloseEvent) -> None:
         """Disappear at once, then let the work stop."""
         self.hide()
@@ -181,8 +208,14 @@ class LiveWindow(QMainWindow):
         self.job_row.cancel_wanted.connect(self.cancel_wanted)
         self.mirror_box.toggled.connect(self.source_pane.picture.set_mirrored)
         self.mirror_box.toggled.connect(self.avatar_pane.picture.set_mirrored)
-        QShortcut(QKeySequence.StandardKey.Open, self, self.ask_for_video)
-        QShortcut(QKeySequence.StandardKey.New, self, self.ask_for_profile)
+        deeds = self.deeds
+        deeds["open"].triggered.connect(self.ask_for_video)
+        deeds["new"].triggered.connect(self.ask_for_profile)
+        deeds["guided"].triggered.connect(self.guided_wanted)
+        deeds["quit"].triggered.connect(self.close)
+        for key, box in (("mirror", self.mirror_box), ("landmarks", self.landmarks_box)):
+            deeds[key].toggled.connect(box.setChecked)
+            box.toggled.connect(deeds[key].setChecked)
 
     def _build(self) -> None:
         self.new_profile_button.setToolTip(NEW_PROFILE.details)
@@ -191,25 +224,23 @@ class LiveWindow(QMainWindow):
         self.hint.setWordWrap(True)
         self.hint.setAccessibleName("Hint")
         self.hint.setForegroundRole(QPalette.ColorRole.PlaceholderText)
-        splitter = QSplitter()
-        splitter.setChildrenCollapsible(False)
-        splitter.addWidget(self.source_pane)
-        splitter.addWidget(self.avatar_pane)
-        splitter.setSizes([600, 600])
+        self._fill_choices()
         center = QWidget()
         layout = QVBoxLayout(center)
-        layout.setContentsMargins(8, 8, 8, 2)
-        layout.setSpacing(8)
-        layout.addLayout(self._make_choices())
+        layout.setContentsMargins(MARGIN_PX, MARGIN_PX, MARGIN_PX, 2)
+        layout.setSpacing(MARGIN_PX)
+        layout.addWidget(self.choices)
         layout.addWidget(self.message_bar)
         layout.addWidget(self.job_row)
-        layout.addWidget(splitter, stretch=1)
+        layout.addWidget(self.pair, stretch=1)
         layout.addWidget(self.hint)
+        self._layout = layout
         self.setCentralWidget(center)
         self.setStatusBar(self.status)
 
-    def _make_choices(self) -> QHBoxLayout:
-        row = QHBoxLayout()
+    def _fill_choices(self) -> None:
+        row = QHBoxLayout(self.choices)
+        row.setContentsMargins(0, 0, 0, 0)
         row.setSpacing(6)
         for text, box in (
             ("&Source", self.sources),
@@ -226,4 +257,3 @@ class LiveWindow(QMainWindow):
         row.addStretch(1)
         row.addWidget(self.landmarks_box)
         row.addWidget(self.mirror_box)
-        return row

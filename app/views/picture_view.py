@@ -53,6 +53,7 @@ class PictureView(QWidget):
         self._overlay: Overlay | None = None
         self._badge = ""
         self._mirrored = False
+        self._surround: QColor | None = SURROUND_COLOR
 
     @property
     def badge(self) -> str:
@@ -76,6 +77,16 @@ class PictureView(QWidget):
         self._image, self._overlay, self._badge = image, overlay, badge
         self.update()
 
+    def set_badge(self, badge: str) -> None:
+        """Change the remark over the picture."""
+        self._badge = badge
+        self.update()
+
+    def set_surround(self, color: QColor | None) -> None:
+        """Fill what the picture leaves free with a colour, or with None leave it transparent."""
+        self._surround = color
+        self.update()
+
     def set_mirrored(self, mirrored: bool) -> None:
         """Show the picture like a mirror does."""
         self._mirrored = mirrored
@@ -92,7 +103,8 @@ class PictureView(QWidget):
     def paintEvent(self, event: QPaintEvent) -> None:
         """Paint the picture, then what lies over it."""
         painter = QPainter(self)
-        painter.fillRect(self.rect(), SURROUND_COLOR)
+        if self._surround is not None:
+            painter.fillRect(self.rect(), self._surround)
         if self._image is not None:
             target = self.picture_rect()
             painter.save()
