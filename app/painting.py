@@ -21,7 +21,9 @@ from core.records import U8, Camera, FaceState, FloatArray, Frame, UserBlendshap
 
 #: The user's own head, then the built-in ones.
 OWN = "own"
-AVATARS: tuple[str, ...] = (OWN, "nora", "leo", "mei", "kofi", "amara", "viktor")
+AVATARS: tuple[str, ...] = (
+    OWN, "nora", "leo", "mei", "kofi", "amara", "viktor", "juno", "fennec",
+)  # fmt: skip
 
 #: Avatars that the live view keeps: making one takes seconds.
 KEPT_AVATARS = 3

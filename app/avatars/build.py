@@ -8,16 +8,17 @@ from app.avatars.assembly import Assembly
 from app.avatars.bob import curtain
 from app.avatars.bust import fitted_bust, neck_openness, neck_uv
 from app.avatars.complexion import skin_texture
-from app.avatars.hair import CUTS, Scalp, combed, hair_mm, strands
+from app.avatars.hair import CUTS, Cut, Scalp, combed, hair_mm, strands
 from app.avatars.hairline import above_hairline_mm
 from app.avatars.head import Surface, eye_radii_mm, lid_rows, lip_rows, surface
 from app.avatars.looks import Looks
+from app.avatars.pieces import Piece
 from app.avatars.small_textures import cloth_texture, eye_texture, lash_texture
 from app.avatars.wardrobe import Wardrobe
 from app.render.avatar import Avatar, Eyes
 from app.render.scene import Material, Uniforms
 from core.face_model import FaceModel, eye_centers_mm
-from core.records import F32, FloatArray
+from core.records import F32, U8, FloatArray
 
 #: Radius of the iris.
 IRIS_MM = 6.0
@@ -42,23 +43,74 @@ class Head:
     deltas_mm: F32
 
 
-def dressed(head: Head, looks: Looks, wardrobe: Wardrobe, name: str) -> Avatar:
+@dataclass(frozen=True, slots=True, eq=False)
+class Worn:
+    """A piece that is worn on the head.
+
+    Attributes:
+        material: How it looks.
+        piece: Its mesh in the model frame.
+        deltas_mm: (46, n, 3) how expressions move it; None: not at all.
+    """
+
+    material: Material
+    piece: Piece
+    deltas_mm: F32 | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Costume:
+    """What replaces the painted looks of a person.
+
+    Attributes:
+        skin: (S, S, 4) the skin's texture: colour and oiliness.
+        eye: Texture of the eyeballs, None for one by the looks.
+        hair: Material of the hair on the scalp, None for strands by the looks.
+        worn: Pieces on the head.
+    """
+
+    skin: U8
+    eye: U8 | None = None
+    hair: Material | None = None
+    worn: tuple[Worn, ...] = ()
+
+
+def dressed(
+    head: Head, looks: Looks, wardrobe: Wardrobe, name: str, costume: Costume | None = None
+) -> Avatar:
     """Return the avatar of a head with skin, eyes, hair and a shirt."""
     rng = np.random.default_rng(7)
     model, neutral = head.model, head.neutral_mm
     assembly = Assembly(neutral, head.deltas_mm, wardrobe.extra)
-    _add_skin(assembly, head, looks, wardrobe)
+    skin = skin_texture(wardrobe.skin_maps, looks) if costume is None else costume.skin
+    _add_skin(assembly, head, looks, wardrobe, skin)
     _add_mouth_and_lashes(assembly, model, looks, wardrobe)
     if looks.hair_style in CUTS:
-        _add_hair(assembly, head, looks, wardrobe.scalp, rng)
+        material = costume.hair if costume and costume.hair else strands(looks, rng)
+        _add_hair(assembly, head, CUTS[looks.hair_style], wardrobe.scalp, material)
+    for worn in costume.worn if costume else ():
+        _add_worn(assembly, worn)
     centers = eye_centers_mm(model, neutral)
     radii = eye_radii_mm(model, neutral, centers)
-    ball = Material("eye", eye_texture(looks.iris, IRIS_MM, float(radii.mean()), rng))
+    white = costume.eye if costume else None
+    if white is None:
+        white = eye_texture(looks.iris, IRIS_MM, float(radii.mean()), rng)
+    ball = Material("eye", white)
     eyes = Eyes(centers, radii, lid_rows(model), (ball, ball))
     return assembly.avatar(name, eyes, lip_rows(model), PIVOT_MM)
 
 
-def _add_skin(assembly: Assembly, head: Head, looks: Looks, wardrobe: Wardrobe) -> None:
+def _add_worn(assembly: Assembly, worn: Worn) -> None:
+    """Add a piece that is worn on the head."""
+    piece = worn.piece
+    extra = _hair_extra(np.ones(len(piece.points_mm)))
+    first = assembly.add_vertices(piece.points_mm, extra, worn.deltas_mm)
+    assembly.add_surface(worn.material, piece.triangles + np.int32(first), piece.uv)
+
+
+def _add_skin(
+    assembly: Assembly, head: Head, looks: Looks, wardrobe: Wardrobe, texture: U8
+) -> None:
     """Add the skin of head and neck and the shirt."""
     bust = wardrobe.bust
     neck_mm, shirt_mm = fitted_bust(bust, head.neutral_mm)
@@ -74,7 +126,7 @@ def _add_skin(assembly: Assembly, head: Head, looks: Looks, wardrobe: Wardrobe) 
             < _COVERED_MM
         )
         skin = Surface(skin.triangles[seen], skin.uv[seen])
-    material = Material("skin", skin_texture(wardrobe.skin_maps, looks))
+    material = Material("skin", texture)
     assembly.add_surface(
         material,
         np.concatenate([skin.triangles, rows[bust.neck_triangles]]),
@@ -108,11 +160,8 @@ def _add_mouth_and_lashes(
         assembly.add_surface(material, lashes.triangles, lashes.uv)
 
 
-def _add_hair(
-    assembly: Assembly, head: Head, looks: Looks, scalp: Scalp, rng: np.random.Generator
-) -> None:
+def _add_hair(assembly: Assembly, head: Head, cut: Cut, scalp: Scalp, material: Material) -> None:
     """Add the hair; the brows' muscles move the scalp a little."""
-    cut, material = CUTS[looks.hair_style], strands(looks, rng)
     deltas = np.stack([scalp.mix @ delta for delta in head.deltas_mm]).astype(np.float32)
     uv = combed(scalp.mix @ head.neutral_mm)[scalp.triangles] * [6.0, 2.0]
     coverage = np.clip((scalp.above_mm + 2) / 12.0, 0, 1)

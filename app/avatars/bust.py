@@ -11,6 +11,8 @@ from core.records import F32, I32, FloatArray
 
 #: Size of the cells in which a shirt's vertices are joined.
 _CELL_MM = 17.0
+#: Texture coordinates this far apart belong to different islands.
+_ISLANDS_APART = 0.25
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,20 +112,21 @@ def neck_uv(bust: Bust, model: FaceModel) -> F32:
     """Return where the neck's triangles (T, 3, 2) take the skin's texture from.
 
     The texture ends at the head's edge; below, the edge's own colours go on downwards. At the
-    nape the texture has a seam, so a triangle keeps to its side of the body.
+    nape and at the sides the texture has seams, so a triangle keeps to its side of the body and
+    to one island of the texture.
     """
     skin = model.part_triangles("skin")
     corner, uv = model.triangles[skin].reshape(-1), model.uv[skin].reshape(-1, 2)
     out = np.empty((len(bust.neck_triangles), 3, 2), np.float32)
     for side in (-1, 1):
         ring = bust.ring[side * model.mean_mm[bust.ring, 0] >= -0.5]
-        sided = side * (uv[:, 0] - 0.5) >= 0
-        rows = [np.flatnonzero((corner == vertex) & sided) for vertex in ring]
-        kept = [(vertex, found[0]) for vertex, found in zip(ring, rows, strict=True) if len(found)]
-        places = model.mean_mm[[vertex for vertex, _ in kept]]
-        colors = uv[[found for _, found in kept]]
+        rows = np.flatnonzero(np.isin(corner, ring) & (side * (uv[:, 0] - 0.5) >= 0))
+        places, colors = model.mean_mm[corner[rows]], uv[rows]
         mine = side * bust.neck_mm[bust.neck_triangles][..., 0].mean(axis=1) >= 0
         points = bust.neck_mm[bust.neck_triangles[mine]]
+        middle = np.linalg.norm(points.mean(axis=1)[:, None] - places, axis=-1).argmin(axis=1)
+        apart = np.linalg.norm(colors[middle][:, None] - colors, axis=-1) > _ISLANDS_APART
         away = np.linalg.norm(points[:, :, None] - places, axis=-1)
+        away[np.repeat(apart[:, None], 3, axis=1)] = np.inf
         out[mine] = colors[away.argmin(axis=-1)]
     return out

@@ -7,6 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from app.avatars.build import Head, dressed
+from app.avatars.characters import Character, drawn
+from app.avatars.fennec import FENNEC
+from app.avatars.juno import JUNO
 from app.avatars.looks import LOOKS, Looks
 from app.avatars.wardrobe import AvatarFileError, Wardrobe, load_wardrobe
 from app.render.avatar import Avatar
@@ -28,6 +31,8 @@ _LOOKS: dict[str, Looks] = {
     "amara": LOOKS["brown"].changed(hair_style="bob", shirt=(168, 128, 60)),
     "viktor": LOOKS["light old"].changed(beard=0.35, lashes=0.4, shirt=(70, 74, 70)),
 }
+#: The drawn characters; each has a picture of its skin in assets/avatars.
+_CHARACTERS: dict[str, Character] = {"juno": JUNO, "fennec": FENNEC}
 
 
 class Gallery:
@@ -45,7 +50,7 @@ class Gallery:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """The names of the built-in avatars, the first one the default."""
-        return tuple(self._people)
+        return (*self._people, *_CHARACTERS)
 
     def built_in(self, name: str) -> Avatar:
         """Return a built-in avatar.
@@ -53,7 +58,12 @@ class Gallery:
         Raises:
             KeyError: There is none of this name.
         """
-        return self.of_identity(self._people[name], _LOOKS.get(name, Looks()), name)
+        if name not in _CHARACTERS:
+            return self.of_identity(self._people[name], _LOOKS.get(name, Looks()), name)
+        character = _CHARACTERS[name]
+        skin = self._assets / "avatars" / f"{name}.jpg"
+        person = self._people[character.person]
+        return drawn(character, self._model, person, self._wardrobe, skin, name)
 
     def of_user(self, user: UserBlendshapes, looks: Looks | None = None) -> Avatar:
         """Return the avatar with the user's own head and blendshapes."""

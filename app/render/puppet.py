@@ -16,6 +16,9 @@ from core.records import F32, FloatArray
 
 _BLINK = [EXPRESSION_NAMES.index("eyeBlink" + side) for side in ("Right", "Left")]
 _WIDE = [EXPRESSION_NAMES.index("eyeWide" + side) for side in ("Right", "Left")]
+_JAW_OPEN, _MOUTH_CLOSE = EXPRESSION_NAMES.index("jawOpen"), EXPRESSION_NAMES.index("mouthClose")
+#: Lips can close what the jaw has opened, and press a little more.
+PRESSED = 0.08
 #: Lid closing per rad of looking down and widening per rad of looking up.
 LID_FOLLOWS_DOWN, LID_FOLLOWS_UP = 0.75, 0.5
 #: Lips this far apart let all light into the mouth.
@@ -26,7 +29,7 @@ def lids_following(expression: FloatArray, gaze_rad: FloatArray) -> FloatArray:
     """Return the expression (46,) with lids that follow the gaze, as living ones do.
 
     A tracked blink already contains the follow of the real lid, so the greater of both counts,
-    not their sum.
+    not their sum. Lips do not close further than the jaw has opened them.
     """
     out: FloatArray = np.clip(np.asarray(expression, float), 0, 1)
     for eye in range(2):
@@ -35,6 +38,7 @@ def lids_following(expression: FloatArray, gaze_rad: FloatArray) -> FloatArray:
         # A closing eye does not widen.
         wide = min(LID_FOLLOWS_UP * pitch, 0.4) * (1 - out[_BLINK[eye]])
         out[_WIDE[eye]] = max(out[_WIDE[eye]], wide)
+    out[_MOUTH_CLOSE] = min(out[_MOUTH_CLOSE], out[_JAW_OPEN] + PRESSED)
     return out
 
 
