@@ -18,11 +18,9 @@ from core.shot_match import (
     is_visible,
     match,
 )
-from core.shot_quality import Advisor, Looked, QualitySettings, troubles
+from core.shot_quality import HARMLESS, WHY_WEAK, Advisor, Looked, QualitySettings, troubles
 from core.shutter import Shutter, ShutterSettings, ShutterState
 
-#: These troubles do not keep a picture from being taken.
-_HARMLESS = frozenset({"slow"})
 #: Time to make an expression that the landmarks do not show, before the shutter may go.
 UNSEEN_PAUSE_S = 2.0
 #: Frames over which the camera's speed is measured.
@@ -134,7 +132,7 @@ class CaptureJudge:
         if unseen:
             found = [name for name in found if name != "no_face"]
         advice = self._advisor.step(found, frame.time_s)
-        good = (unseen or (matched is not None and matched.good)) and not set(found) - _HARMLESS
+        good = (unseen or (matched is not None and matched.good)) and not set(found) - HARMLESS
         still = block_points(frame.gray) if unseen else points
         return self._shoot(frame, seen, advice, matched, (good, still, sharp))
 
@@ -225,8 +223,9 @@ def weakness(taken: Taken) -> str:
     quality = taken.quality
     if taken.landmarks is None:
         return "" if abs(taken.shot.yaw) > LAST_SEEN_RAD else "no face was seen"
-    if quality.get("trouble"):
-        return str(quality["trouble"]).replace("_", " ")
+    trouble = str(quality.get("trouble", ""))
+    if trouble and trouble not in HARMLESS:
+        return WHY_WEAK[trouble]
     if not quality.get("pose", True):
         return "the head was not quite as asked"
     reached = quality.get("reached", 1.0)

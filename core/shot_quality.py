@@ -18,8 +18,20 @@ ADVICE: dict[str, str] = {
     "clipped": "It is too bright: move the lamp away or dim it",
     "backlit": "The light comes from behind you: turn around or close the curtain",
     "blurred": "The picture is blurred: hold still, or clean the lens",
-    "slow": "The camera gives few pictures a second: more light makes it faster",
+    "off_center": "Move to the middle of the picture, or turn the camera to you",
+    "slow_dark": "It is so dim that the camera gives few pictures a second: put a lamp before you",
+    "slow": "The camera gives few pictures a second: close other programs that use it",
 }
+#: Troubles that do not make a picture worse.
+HARMLESS = frozenset({"off_center", "slow_dark", "slow"})
+#: The other troubles as the reason why a picture is weak.
+WHY_WEAK: dict[str, str] = {
+    "no_face": "no face was seen", "several": "several faces", "outside": "the face is cut off",
+    "far": "too far away", "near": "too near", "dark": "too dark", "clipped": "too bright",
+    "backlit": "light from behind", "blurred": "blurred",
+}  # fmt: skip
+#: Below this deviation of its grey levels a picture shows nothing.
+BLANK = 4.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +49,8 @@ class QualitySettings:
         sharp: Sharpness at least, as core.frame_selection measures it: 0.25 to 0.4 on a usual
             webcam, 0.1 where it is blurred by 2 px.
         least_fps: Frames per second at least.
+        dim: With a face darker than this, few frames a second come from the lack of light.
+        aside: Middle of the face from the middle of the picture, in parts of its width.
     """
 
     least_width: float = 0.14
@@ -48,6 +62,8 @@ class QualitySettings:
     backlit_ratio: float = 2.2
     sharp: float = 0.16
     least_fps: float = 12.0
+    dim: float = 75.0
+    aside: float = 0.2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,8 +101,20 @@ def troubles(looked: Looked, settings: QualitySettings | None = None) -> list[st
     if looked.sharpness < settings.sharp:
         found.add("blurred")
     if looked.fps < settings.least_fps:
-        found.add("slow")
+        found.add("slow_dark" if _is_dim(looked, settings) else "slow")
     return [name for name in ADVICE if name in found]
+
+
+def is_blank(gray: U8) -> bool:
+    """Return whether a picture shows nothing, as behind a closed lid or of one colour."""
+    return float(gray[::8, ::8].std()) < BLANK
+
+
+def _is_dim(looked: Looked, settings: QualitySettings) -> bool:
+    if looked.points_px is None:
+        return float(np.median(looked.gray)) < settings.dim
+    face, _ = face_and_surround(looked.gray, looked.points_px)
+    return face.size > 0 and float(np.median(face)) < settings.dim
 
 
 def _placed(gray: U8, points_px: FloatArray, settings: QualitySettings) -> set[str]:
@@ -99,6 +127,9 @@ def _placed(gray: U8, points_px: FloatArray, settings: QualitySettings) -> set[s
     found = set()
     if (low < edge).any() or (high > np.array([width, height]) - 1 - edge).any():
         found.add("outside")
+    off = np.abs(0.5 * (low + high) - [width / 2, height / 2])
+    if (off > settings.aside * width).any():
+        found.add("off_center")
     # A turned face is narrow but as tall as before.
     share = max(high[0] - low[0], 0.75 * (high[1] - low[1])) / width
     if share < settings.least_width:

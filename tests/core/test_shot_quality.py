@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from core.shot_quality import ADVICE, Advisor, Looked, troubles
+from core.shot_quality import ADVICE, HARMLESS, WHY_WEAK, Advisor, Looked, is_blank, troubles
 
 
 def picture(face=120, around=110):
@@ -33,6 +33,9 @@ def test_a_good_frame_has_no_troubles():
         ("several", {"rivals": 1}),
         ("blurred", {"sharpness": 0.02}),
         ("slow", {"fps": 7.0}),
+        ("slow_dark", {"fps": 7.0, "gray": picture(60, 50)}),
+        ("off_center", {"points_px": face_points(1.0, (140, 0))}),
+        ("off_center", {"points_px": face_points(0.7, (-135, 0))}),
         ("far", {"points_px": face_points(0.4)}),
         ("near", {"points_px": face_points(2.6)}),
         ("outside", {"points_px": face_points(1.0, (250, 0))}),
@@ -43,6 +46,17 @@ def test_a_good_frame_has_no_troubles():
 )
 def test_each_trouble_is_seen(trouble, facts):
     assert trouble in told(**facts)
+
+
+def test_a_picture_of_nothing_is_blank(rng):
+    noise = rng.normal(0, 2, (480, 640))
+    assert is_blank(np.full((480, 640), 16, np.uint8))
+    assert is_blank(np.clip(16 + noise, 0, 255).astype(np.uint8))
+    assert not is_blank(picture(face=90, around=40))
+
+
+def test_every_trouble_has_advice_and_a_reason():
+    assert set(WHY_WEAK) | HARMLESS == set(ADVICE) and not set(WHY_WEAK) & HARMLESS
 
 
 def test_no_face_is_told_before_all_else():
