@@ -72,7 +72,7 @@ def live_tracker(
     models: Models, profile: Profile, settings: LiveSettings | None = None
 ) -> LiveTracker:
     """Return a tracker that follows the person of a profile."""
-    user = User(profile.camera, profile.user, profile.regressor)
+    user = User(profile.camera, profile.user, profile.regressor, profile.eyes)
     return LiveTracker(models.face_model, user, models.aligner, models.prior, settings)
 
 

@@ -169,7 +169,7 @@ def make_profile(
     images = built.images
     profile = Profile(
         images.names, images.standard, built.landmarks, built.camera, built.fit, built.user,
-        built.shapes, built.regressor, built.report,
+        built.shapes, built.regressor, built.report, built.eyes,
     )  # fmt: skip
     return profile, images
 

@@ -15,6 +15,7 @@ from core.animation_prior import AnimationPrior
 from core.arkit import EXPRESSION_NAMES
 from core.blendshapes import mean_user
 from core.camera import project, seen_by
+from core.eye_reader import EyeReader, EyeReading
 from core.face_model import FaceModel, eye_centers_mm, shape_vertices
 from core.landmarks import N_INTERNAL, N_LANDMARKS
 from core.model_fit import FewLandmarksError
@@ -31,7 +32,7 @@ from core.records import (
 from core.region_check import region_means
 from core.regressor import FernRegressor, Regression
 from core.shape_recovery import RecoverySettings, recover_one
-from core.tracker import TrackedFace, Tracker, TrackerModel
+from core.tracker import Looks, TrackedFace, Tracker, TrackerModel
 
 
 class Aligner(Protocol):
@@ -54,11 +55,13 @@ class User:
         camera: Of the setup pictures.
         blendshapes: The user's own.
         regressor: Trained on the user's pictures.
+        eyes: Reads where the eyes look; without it the regressed pupils say so.
     """
 
     camera: Camera
     blendshapes: UserBlendshapes
     regressor: FernRegressor
+    eyes: EyeReader | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +119,8 @@ class LiveTracker:
         """
         self._model, self._user, self._aligner = model, user, aligner
         self._settings = settings or LiveSettings()
-        self._tracker = Tracker(tracker_model(model, user.blendshapes), prior)
+        self._face = tracker_model(model, user.blendshapes)
+        self._tracker = Tracker(self._face, prior)
         self._use_size(user.camera.size_px)
         self._alignment: Alignment | None = None
         self._points_mm: FloatArray | None = None
@@ -189,7 +193,9 @@ class LiveTracker:
             return self._last
         if self._last.lost:
             self._tracker.reset()
-        face = self._tracker.step(found.points_mm, frame.time_s, found.confidence)
+        face = self._tracker.step(
+            found.points_mm, frame.time_s, found.confidence, self._looks(frame)
+        )
         self._last = self._state(frame.time_s, found, face)
         return self._last
 
@@ -203,6 +209,17 @@ class LiveTracker:
     def _use_size(self, size_px: tuple[int, int]) -> None:
         self._camera = seen_by(self._user.camera, size_px)
         self._regression = Regression(self._user.regressor, self._camera)
+        self._eyes: EyeReading | None = None
+        if self._user.eyes is not None:
+            face = self._face
+            self._eyes = EyeReading(
+                self._user.eyes, self._camera, face.eye_centers_mm, face.pupil_radii_mm
+            )
+
+    def _looks(self, frame: Frame) -> Looks | None:
+        """Return what reads the gaze in a frame, None if only the regressed pupils tell it."""
+        eyes = self._eyes
+        return None if eyes is None else lambda pose: eyes.directions(frame.gray, pose)
 
     def _continue(self, frame: Frame) -> _Found | None:
         """Return the shape regressed from the previous one, None if it cannot be trusted."""

@@ -15,7 +15,9 @@ from core.calibration import CalibrationSettings, FocalEstimate, estimate_focal
 from core.camera import camera_for
 from core.errors import CoreError
 from core.evaluation import TABLE_WIDTH_PX
-from core.face_model import FaceModel
+from core.eye_reader import EyeReader
+from core.eye_trainer import EyePictures, train_eyes
+from core.face_model import FaceModel, eye_centers_mm
 from core.held_out import HeldOutSettings, Measured, held_out_report
 from core.model_fit import FitSettings, fit_model
 from core.records import (
@@ -31,6 +33,7 @@ from core.records import (
 from core.regressor import FernRegressor
 from core.regressor_trainer import TrainSettings, train
 from core.shape_recovery import RecoverySettings, recover_shapes
+from core.tracker import BLINKS
 from core.training_set import TrainingSetSettings, make_training_set
 
 T = TypeVar("T")
@@ -78,6 +81,7 @@ class Built:
         user: The user's blendshapes.
         shapes: The 3D shape of every picture.
         regressor: Trained on all that are not guessed.
+        eyes: What reads the gaze, None if too few eyes are seen.
         report: Figures for people, JSON-ready.
     """
 
@@ -88,6 +92,7 @@ class Built:
     user: UserBlendshapes
     shapes: SetupShapes
     regressor: FernRegressor
+    eyes: EyeReader | None
     report: dict[str, object]
 
 
@@ -179,7 +184,21 @@ def build(
     kept, before = _chosen(given, found, sorting.kept)
     pictures = Pictures(kept.names, tuple(gray_from_rgb(one) for one in kept.images), before)
     placed = with_guesses(model, user, camera, pictures, Placed(landmarks, fit, shapes))
-    return Built(camera, kept, placed.landmarks, placed.fit, user, placed.shapes, regressor, report)
+    eyes = train_eyes(eye_pictures(model, user, camera, gray, landmarks, shapes), rng)
+    return Built(
+        camera, kept, placed.landmarks, placed.fit, user, placed.shapes, regressor, eyes, report
+    )
+
+
+def eye_pictures(
+    model: FaceModel, user: UserBlendshapes, camera: Camera, gray: Sequence[U8],
+    landmarks: Sequence[Landmarks2D], shapes: SetupShapes,
+) -> EyePictures:  # fmt: skip
+    """Return the setup pictures as the gaze is learned from them."""
+    radii_mm = np.full(2, float(model.eyeball_radius_mm))
+    centers_mm = eye_centers_mm(model, user.neutral_mm)
+    blinks = shapes.coefficients[:, BLINKS]
+    return EyePictures(gray, camera, landmarks, shapes, blinks, centers_mm, radii_mm)
 
 
 def known_focal(size_px: tuple[int, int], focal_px: float) -> FocalEstimate:

@@ -3,6 +3,7 @@
     setup.npz        standard coefficients, landmarks, fit, shapes
     user.npz         the user's blendshapes
     regressor.npz    the trained regressor
+    eyes.npz         what reads the gaze; not there if too few eyes were seen
     report.json      accuracy and times of the setup
     images/          the setup pictures, as the caller encoded them
 
@@ -22,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import ArrayShapeError
+from core.eye_reader import EyeReader
 from core.fern_regressor import FernRegressor
 from core.generations import Generation, ProfileDamagedError, read_generation, write_generation
 from core.plain_json import json_text
@@ -55,6 +57,7 @@ class Profile:
         shapes: The 3D shape of every setup image.
         regressor: What follows the face live.
         report: Accuracy and times of the setup, JSON values.
+        eyes: What reads the gaze live, None if too few eyes were seen.
     """
 
     names: tuple[str, ...]
@@ -66,6 +69,7 @@ class Profile:
     shapes: SetupShapes
     regressor: FernRegressor
     report: dict[str, object]
+    eyes: EyeReader | None = None
 
     def __post_init__(self) -> None:
         freeze(self, standard=(np.float64, ("N", "B")))
@@ -94,6 +98,8 @@ def save(folder: Path, profile: Profile, pictures: Mapping[str, bytes]) -> None:
         "regressor.npz": _packed(profile.regressor.arrays()),
         "report.json": json_text(profile.report).encode(),
     }
+    if profile.eyes is not None:
+        files["eyes.npz"] = _packed(profile.eyes.arrays())
     files |= {IMAGES + name: content for name, content in pictures.items()}
     camera = profile.camera
     header = {
@@ -146,7 +152,14 @@ def _profile(generation: Generation) -> Profile:
         shapes=_record("shapes", SetupShapes, setup),
         regressor=FernRegressor.from_arrays(_unpacked(generation, "regressor.npz")),
         report=json.loads(generation.read("report.json")),
+        eyes=_eyes(generation),
     )
+
+
+def _eyes(generation: Generation) -> EyeReader | None:
+    if "eyes.npz" not in generation.files:
+        return None
+    return EyeReader.from_arrays(_unpacked(generation, "eyes.npz"))
 
 
 def _packed(arrays: Mapping[str, NDArray[Any]]) -> bytes:

@@ -18,6 +18,7 @@ Gaussian-mixture prior over this and the previous frames. Where we differ, and w
 * Dropped frames are integrated out of the prior, and other frame rates resampled to its own.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -34,7 +35,10 @@ from core.pose_filter import PoseFilter, PoseFilterSettings
 from core.records import FloatArray, freeze
 
 #: The right eye's blink coefficient, then the left one's.
+#: The right, then the left one.
 BLINKS = [EXPRESSION_NAMES.index("eyeBlinkRight"), EXPRESSION_NAMES.index("eyeBlinkLeft")]
+#: Where the eyes look (2, 2) in rad when the head has a pose (4, 3).
+Looks = Callable[[FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -223,13 +227,18 @@ class Tracker:
         self._expression[:] = 0
         self._last_s = -np.inf
 
-    def step(self, points_mm: FloatArray, time_s: float, confidence: float = 1.0) -> TrackedFace:
+    def step(
+        self, points_mm: FloatArray, time_s: float, confidence: float = 1.0,
+        looks: Looks | None = None,
+    ) -> TrackedFace:  # fmt: skip
         """Return pose, expression and gaze of one frame.
 
         Args:
             points_mm: (L + 2, 3) the regressed shape in the camera frame, pupils last.
             time_s: Time of the frame; earlier than the last one's starts anew.
             confidence: In (0, 1], scales the data against the prior.
+            looks: Tells where the eyes look (2, 2) in rad under the pose (4, 3) just found; without
+                it the pupils among the points do.
 
         Raises:
             ValueError: Another number of points, or one that is not finite.
@@ -243,11 +252,13 @@ class Tracker:
         self._history.append(time_s, self._expression)
         rotation = quaternion_from_matrix(self._pose[:3])
         rotation, translation = self._pose_filter.step(rotation, self._pose[3], time_s)
-        directions = pupil_directions(
-            points[-2:], self._pose, self._model.eye_centers_mm, self._model.pupil_radii_mm
-        )
+        directions = self._pupil_directions(points) if looks is None else looks(self._pose)
         gaze = self._gaze_filter.step(directions, self._expression[BLINKS], time_s)
         return TrackedFace(rotation, translation, self._expression.copy(), gaze)
+
+    def _pupil_directions(self, points: FloatArray) -> FloatArray:
+        model = self._model
+        return pupil_directions(points[-2:], self._pose, model.eye_centers_mm, model.pupil_radii_mm)
 
     def _check(self, points: FloatArray) -> None:
         """Refuse points that would spoil the history."""
