@@ -63,13 +63,13 @@ def open_source(
     Args:
         text: What the user wrote or chose; SOURCE_HELP tells what it may be.
         camera_size_px: Size to ask of a camera; other sources have their own.
-        live: The performer plays by the clock and without end.
+        live: The performer plays by the clock and without end; a lost camera is waited for.
 
     Raises:
         AppError: There is nothing of this name, or it cannot be read.
     """
     if text.partition(":")[0] != PERFORMER:
-        return open_camera_or_file(text, camera_size_px)
+        return open_camera_or_file(text, camera_size_px, patient=live)
     return open_performer(scenario_of(text), live=live, loop=live)
 
 

@@ -6,9 +6,13 @@ can, too. Both are done in a thread of their own, so that who reads here can alw
 
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future
 from dataclasses import replace
+from queue import Empty, SimpleQueue
 from threading import Condition, Thread
+from typing import Any
 
+from app.capture.holding import Held
 from app.capture.source import ClosedOnExit, FrameSource, fit_to
 from app.capture.webcam import CameraEntry, WebcamSource, list_cameras
 from app.errors import AppError, CameraLostError, NoCameraError
@@ -20,9 +24,11 @@ RETRY_S = 1.0
 HANGS_S = 2.0
 #: How long closing waits for the device to be given back.
 CLOSING_S = 0.09
+#: Holding a camera's settings takes some dozen frames, at most so long.
+HOLDING_S = 10.0
 
-#: Opens a camera; raises AppError where that cannot be.
-OpenCamera = Callable[[CameraEntry], FrameSource]
+#: Opens a camera; raises AppError where that cannot be. With what `hold` returned before.
+OpenCamera = Callable[[CameraEntry, Sequence[Held]], Any]
 
 
 class PatientCamera(ClosedOnExit):
@@ -55,13 +61,15 @@ class PatientCamera(ClosedOnExit):
             CameraBusyError: It gives no picture.
         """
 
-        def webcam(entry: CameraEntry) -> FrameSource:
-            return WebcamSource(entry.index, size_px, [entry])
+        def webcam(entry: CameraEntry, held: Sequence[Held]) -> WebcamSource:
+            return WebcamSource(entry.index, size_px, [entry], held=held)
 
         self._cameras, self._open = cameras, open_camera or webcam
         self._retry_s = retry_s
+        self._held: tuple[Held, ...] = ()
+        self._wishes: SimpleQueue[tuple[str, Future[tuple[Held, ...]]]] = SimpleQueue()
         self._entry = _numbered(index, cameras())
-        device = self._open(self._entry)
+        device = self._open(self._entry, self._held)
         self.size_px, self.fps, self.name = device.size_px, device.fps, device.name
         self._ready = Condition()
         self._frame: Frame | None = None
@@ -92,10 +100,40 @@ class PatientCamera(ClosedOnExit):
             self._stopped = True
             self._ready.notify_all()
 
+    def hold(self) -> tuple[Held, ...]:
+        """Hold exposure, focus and white balance, now and after the camera was lost.
+
+        Takes some dozen frames, which nobody sees. Empty if the camera is gone.
+        """
+        return self._wish("hold")
+
+    def let_go(self) -> None:
+        """Let the camera choose by itself again."""
+        self._wish("let_go")
+
     def close(self) -> None:
         """Give the camera back; one that hangs is given back as soon as it does no longer."""
         self.interrupt()
         self._thread.join(CLOSING_S)
+
+    def _wish(self, name: str) -> tuple[Held, ...]:
+        """Let the camera's thread call a method of the camera, and wait for that."""
+        answer: Future[tuple[Held, ...]] = Future()
+        self._wishes.put((name, answer))
+        try:
+            return answer.result(HOLDING_S)
+        except TimeoutError:
+            return ()
+
+    def _grant(self, device: Any) -> None:
+        """Do what was wished for; without a camera that is nothing."""
+        while True:
+            try:
+                name, answer = self._wishes.get_nowait()
+            except Empty:
+                return
+            self._held = (getattr(device, name)() or ()) if device is not None else ()
+            answer.set_result(self._held)
 
     def _serve(self, device: FrameSource | None) -> None:
         """Read the camera until nobody wants it; open it again where it was lost."""
@@ -108,11 +146,13 @@ class PatientCamera(ClosedOnExit):
                 device = None
         if device is not None:
             device.close()
+        self._grant(None)
 
     def _pass_on(self, device: FrameSource) -> None:
         """Hand on the pictures of a camera until it is lost or nobody wants them."""
         self._why = ""
         while not self._stopped:
+            self._grant(device)
             try:
                 frame = device.read()
             except CameraLostError:
@@ -136,12 +176,13 @@ class PatientCamera(ClosedOnExit):
         entry = same_camera(self._entry, self._cameras())
         try:
             if entry is not None:
-                device = self._open(entry)
+                device: FrameSource = self._open(entry, self._held)
                 self._entry = entry
                 return device
             self._why = _gone(self.name)
         except AppError:
             self._why = f"The camera {self.name} is there but gives no picture. Waiting for it."
+        self._grant(None)
         with self._ready:
             self._ready.wait_for(lambda: self._stopped, self._retry_s)
         return None

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from PySide6.QtCore import QObject, QThread, Signal
 
@@ -32,6 +32,15 @@ class FaceTracker(Protocol):
 
     def reset(self) -> None:
         """Forget the past, as after a cut."""
+        ...
+
+
+@runtime_checkable
+class Interruptible(Protocol):
+    """A source whose `read` may take long."""
+
+    def interrupt(self) -> None:
+        """End reading for good, from any thread."""
         ...
 
 
@@ -164,8 +173,16 @@ class Player(QObject):
         self._thread: QThread | None = None
         self._opening: Opening | None = None
         self._loop: LiveLoop | None = None
-        self._name = ""
+        self._source: FrameSource | None = None
         self._leaving, self._failed = False, False
+
+    @property
+    def trouble(self) -> str:
+        """Why the source gives no pictures now, for people: a camera that is gone, say; or empty.
+
+        To be asked now and then by the window; the source goes on by itself when it can.
+        """
+        return str(getattr(self._source, "trouble", ""))
 
     @property
     def busy(self) -> bool:
@@ -178,16 +195,22 @@ class Player(QObject):
         if self._thread is None:
             self._open_next()
         else:
-            self._leaving = True
-            self._thread.requestInterruption()
+            self._leave(self._thread)
 
     def stop(self) -> None:
         """End everything and wait for it; the source is closed."""
         self._next, self._leaving = None, True
         if self._thread is not None:
-            self._thread.requestInterruption()
+            self._leave(self._thread)
             self._thread.wait()
             self._on_finished()
+
+    def _leave(self, thread: QThread) -> None:
+        """Ask a thread to end; a source that waits for its camera waits no longer."""
+        self._leaving = True
+        thread.requestInterruption()
+        if isinstance(self._source, Interruptible):
+            self._source.interrupt()
 
     def _open_next(self) -> None:
         wanted, self._next = self._next, None
@@ -206,7 +229,7 @@ class Player(QObject):
         loop.posted.connect(self._on_posted)
         loop.failed.connect(self._on_failed)
         loop.ended.connect(self._on_ended)
-        self._loop, self._name = loop, opened.source.name
+        self._loop, self._source = loop, opened.source
         self._run(loop)
 
     def _run(self, thread: QThread) -> None:
@@ -232,7 +255,7 @@ class Player(QObject):
             self.framed.emit(result)
 
     def _on_ended(self) -> None:
-        self._on_failed(SourceEndedError(self._name))
+        self._on_failed(SourceEndedError(self._source.name if self._source is not None else ""))
 
     def _on_failed(self, error: CoreError | AppError) -> None:
         self._failed = True
@@ -246,7 +269,7 @@ class Player(QObject):
             return
         thread.wait()
         thread.deleteLater()
-        self._thread, self._opening, self._loop = None, None, None
+        self._thread, self._opening, self._loop, self._source = None, None, None, None
         opened = opening.result if opening is not None else None
         if opened is not None and not self._leaving:
             self._start_loop(opened)

@@ -34,6 +34,12 @@ class Device:
         gray = np.zeros((height, width), np.uint8)
         return Frame(np.zeros((height, width, 3), np.uint8), gray, time.perf_counter(), 0)
 
+    def hold(self):
+        return ("exposure",)
+
+    def let_go(self):
+        pass
+
     def close(self):
         self.closed = True
 
@@ -51,7 +57,8 @@ class Desk:
     def cameras(self):
         return list(self.entries)
 
-    def open(self, entry):
+    def open(self, entry, held):
+        self.held = held
         if self.busy:
             raise CameraBusyError(entry.name, "in use")
         self.opened.append(entry)
@@ -165,6 +172,20 @@ def test_a_slow_reader_gets_the_newest_picture(desk):
         assert eventually(lambda: desk.devices[0].n_read == 3)
         assert eventually(lambda: camera._index == 3)
         assert camera.read().index == 2
+
+
+def test_a_held_camera_is_held_again_when_it_is_back(desk):
+    with desk.camera(retry_s=0.01) as camera:
+        give(desk.devices[0])
+        assert camera.hold() == ("exposure",)
+        desk.devices[0].unplug()
+        assert eventually(lambda: len(desk.devices) == 2)
+        assert desk.held == ("exposure",)
+        give(desk.devices[1])
+        camera.let_go()
+        desk.devices[1].unplug()
+        assert eventually(lambda: len(desk.devices) == 3)
+        assert desk.held == ()
 
 
 @pytest.mark.parametrize(
