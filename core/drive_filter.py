@@ -43,6 +43,15 @@ class GroupCutoff:
     speed_cutoff_hz: float
 
 
+#: Standard deviation from frame to frame of the coefficients of a still face, by how their names
+#: start; measured on the virtual performers and rounded up.
+NOISE: dict[str, float] = {
+    "eyeWide": 0.02, "eyeBlink": 0.008, "eyeSquint": 0.006, "brow": 0.012, "cheekPuff": 0.02,
+    "mouthPucker": 0.018, "mouthFunnel": 0.01, "jaw": 0.01,
+}  # fmt: skip
+OTHER_NOISE = 0.007
+
+
 @dataclass(frozen=True, slots=True)
 class FilterSettings:
     """How everything is filtered.
@@ -52,25 +61,23 @@ class FilterSettings:
         brows: Brows.
         eyes: Lids and gaze.
         mouth: Everything else.
-        coefficient_noise: Standard deviation of a coefficient of a still face.
-        gaze_noise_rad: The same of the gaze.
-        turn_noise_rad: Of the head's rotation.
+        gaze_noise_rad: Standard deviation of a still gaze.
+        turn_noise_rad: The same of the head's rotation.
         place_noise_mm: Of its place across the view; along it noise is `depth_factor` larger.
         depth_factor: See above.
-        taste_factor: Cutoffs change by this factor from taste 0.5 to 1, and to 0.
+        taste_factor: Cutoffs grow by this factor from taste 0.5 to almost 1, and fall by it to 0.
         longest_step_s: After a longer gap the filter starts anew.
     """
 
-    head: GroupCutoff = field(default_factory=lambda: GroupCutoff(0.8, 0.35, 4.0, 3.0))
-    brows: GroupCutoff = field(default_factory=lambda: GroupCutoff(0.8, 0.25, 5.0, 3.0))
-    eyes: GroupCutoff = field(default_factory=lambda: GroupCutoff(1.0, 0.35, 5.0, 6.0))
-    mouth: GroupCutoff = field(default_factory=lambda: GroupCutoff(1.0, 0.35, 6.0, 6.0))
-    coefficient_noise: float = 0.012
-    gaze_noise_rad: float = 0.01
-    turn_noise_rad: float = 0.0008
+    head: GroupCutoff = field(default_factory=lambda: GroupCutoff(0.4, 0.1, 60.0, 2.0))
+    brows: GroupCutoff = field(default_factory=lambda: GroupCutoff(0.4, 0.1, 50.0, 2.0))
+    eyes: GroupCutoff = field(default_factory=lambda: GroupCutoff(0.5, 0.1, 50.0, 2.0))
+    mouth: GroupCutoff = field(default_factory=lambda: GroupCutoff(0.5, 0.1, 50.0, 2.0))
+    gaze_noise_rad: float = 0.006
+    turn_noise_rad: float = 0.003
     place_noise_mm: float = 0.06
-    depth_factor: float = 5.0
-    taste_factor: float = 6.0
+    depth_factor: float = 6.0
+    taste_factor: float = 3.0
     longest_step_s: float = 0.3
 
 
@@ -163,7 +170,10 @@ def group_order() -> tuple[I32, I32]:
 
 def noise_of(settings: FilterSettings) -> FloatArray:
     """Return the size of the noise (D,) of every value."""
-    noise = np.full(PLACE.stop, settings.coefficient_noise)
+    noise = np.full(PLACE.stop, OTHER_NOISE)
+    for index, name in enumerate(EXPRESSION_NAMES):
+        starts = (size for start, size in NOISE.items() if name.startswith(start))
+        noise[index] = next(starts, OTHER_NOISE)
     noise[GAZE], noise[TURN] = settings.gaze_noise_rad, settings.turn_noise_rad
     noise[PLACE] = settings.place_noise_mm
     noise[PLACE.stop - 1] *= settings.depth_factor
