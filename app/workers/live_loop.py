@@ -79,7 +79,9 @@ class LiveLoop(QThread):
         while not self.isInterruptionRequested():
             frame = self._source.read()
             if frame is None:
-                self.ended.emit()
+                # A source that waited for its camera may have been interrupted.
+                if not self.isInterruptionRequested():
+                    self.ended.emit()
                 return
             now_s = time.perf_counter()
             if started_s is None:

@@ -2,6 +2,8 @@
 
 import threading
 
+import pytest
+
 from app.capture.source import ClosedOnExit
 from app.controllers.player import Performer, Player, Wanted
 
@@ -41,28 +43,34 @@ class Tracker:
         pass
 
 
-def test_a_source_that_waits_for_its_camera_says_so_and_is_left_at_once(qtbot):
+@pytest.fixture
+def played(qtbot):
+    """A player and what it opens; it goes when all that it began has gone."""
     tools = Tools()
     player = Player(tools, lambda *_: None)
+    yield player, tools
+    player.stop()
+    qtbot.wait(1)
+    player.deleteLater()
+
+
+def test_a_source_that_waits_for_its_camera_says_so_and_is_left_at_once(qtbot, played):
+    player, tools = played
     failed = []
     player.failed.connect(failed.append)
     assert player.trouble == ""
-    with qtbot.waitSignal(player.opened):
-        player.play(Wanted("camera:0", ""))
-    assert "Waiting for it" in player.trouble
+    player.play(Wanted("camera:0", ""))
+    qtbot.waitUntil(lambda: "Waiting for it" in player.trouble)
     # Without an interruption this would wait for ever.
     player.stop()
     assert tools.source.closed and not player.busy
     assert player.trouble == "" and not failed
 
 
-def test_another_wish_does_not_wait_for_a_camera_that_is_gone(qtbot):
-    tools = Tools()
-    player = Player(tools, lambda *_: None)
-    with qtbot.waitSignal(player.opened):
-        player.play(Wanted("camera:0", ""))
+def test_another_wish_does_not_wait_for_a_camera_that_is_gone(qtbot, played):
+    player, tools = played
+    player.play(Wanted("camera:0", ""))
+    qtbot.waitUntil(lambda: player.trouble != "")
     first, tools.source = tools.source, Waiting()
-    with qtbot.waitSignal(player.opened):
-        player.play(Wanted("camera:1", ""))
-    assert first.closed
-    player.stop()
+    player.play(Wanted("camera:1", ""))
+    qtbot.waitUntil(lambda: first.closed and player.trouble != "")
