@@ -9,7 +9,7 @@ other and takes effect with the next step.
 
 from collections import deque
 from dataclasses import astuple, dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,7 +21,8 @@ from core.drive_settings import DriveSettings
 from core.expression_keys import KeyFaces, KeyFades
 from core.eye_link import link_lids, turned_gaze
 from core.head_place import HeadPlace, with_gains
-from core.idle import Breathing, SelfBlink, close_lids, eased
+from core.idle import Breathing, SelfBlink, close_lids
+from core.presence import Face, Presence, resting_face
 from core.records import FaceState, FloatArray
 from core.response import ResponseTable, Seen
 from core.tracker import BLINKS
@@ -35,18 +36,8 @@ _LONGEST_STEP_S = 0.25
 _CERTAIN = 0.3
 #: Blink levels are learned from heads turned less than this.
 _FRONTAL_RAD = 0.45
-#: Shortest time in which the difference to what was shown is let go.
-_LEAST_BACK_S = 0.1
 _JAW_OPEN = EXPRESSION_NAMES.index("jawOpen")
 _MOUTH_CLOSE = EXPRESSION_NAMES.index("mouthClose")
-
-
-class Face(NamedTuple):
-    """What the avatar does: head from its centre (6,), coefficients (B,), gaze (2, 2)."""
-
-    away: FloatArray
-    expression: FloatArray
-    gaze_rad: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,12 +69,11 @@ class Drive:
         self._levels: BlinkLevels | None = None
         self._learned = LearnedLevels()
         self._seen, self._fades = Seen(), KeyFades()
-        self._breathing, self._blink = Breathing(), SelfBlink()
+        self._presence, self._breathing, self._blink = Presence(), Breathing(), SelfBlink()
         self._requests: deque[Callable[[], None]] = deque()
         self._recentre = False
         self._now = np.zeros(len(EXPRESSION_NAMES))
-        self._time_s, self._lost_s = -np.inf, np.inf
-        self._gap_s, self._gap_left_s, self._gap_is_new = 1.0, 0.0, False
+        self._time_s, self._shown = -np.inf, resting_face()
         self.use(settings or DriveSettings())
         self._forget()
 
@@ -191,12 +181,11 @@ class Drive:
         step_s = state.time_s - self._time_s
         self._time_s = state.time_s
         elapsed_s = min(max(step_s, 0.0), _LONGEST_STEP_S)
-        face = (
-            self._unseen(tables, elapsed_s)
-            if state.lost
-            else self._caught_up(self._seen_face(state, tables, step_s), tables, elapsed_s)
-        )
-        self._face = face
+        if state.lost:
+            face = self._presence.unseen(tables.settings.idle, elapsed_s)
+        else:
+            face = self._seen_face(state, tables, step_s)
+            face = self._presence.seen(face, tables.settings.idle, elapsed_s)
         self._shown = self._alive(face, tables, state.lost, elapsed_s)
         rotation, place = self._head.placed(self._shown.away)
         return replace(
@@ -208,10 +197,8 @@ class Drive:
         )
 
     def _forget(self) -> None:
-        rest = Face(np.zeros(6), np.zeros(len(EXPRESSION_NAMES)), np.zeros((2, 2)))
-        self._face = self._shown = self._last = self._gap = rest
-        self._time_s, self._lost_s = -np.inf, np.inf
-        self._gap_left_s = 0.0
+        self._time_s, self._shown = -np.inf, resting_face()
+        self._presence.reset()
         self._filter.reset()
         self._head.forget()
         self._calm.reset()
@@ -225,7 +212,7 @@ class Drive:
     def _seen_face(self, state: FaceState, tables: _Tables, step_s: float) -> Face:
         """Return a tracked face as the settings make it."""
         settings = tables.settings
-        if self._lost_s:
+        if self._presence.was_lost:
             self._filter.reset()
             self._calm.reset()
         self._filter.use(tables.filters)
@@ -265,7 +252,7 @@ class Drive:
         """Take a face for the centre; return the head's deviation from it."""
         self._head.move_centre(place, 1.0)
         self._rest = rest_of(expression)
-        self._begin_gap(0.0)
+        self._presence.bridge(self.settings.idle.back_s)
         return self._head.away(rotation, place)
 
     def _follow_rest(
@@ -281,47 +268,10 @@ class Drive:
         if centring.face:
             self._rest = learned_rest(self._rest, expression, share)
 
-    def _begin_gap(self, lost_s: float) -> None:
-        """Let the difference between what was shown and the next face go in some time."""
-        back_s = self.settings.idle.back_s
-        self._gap_s = self._gap_left_s = (
-            min(max(lost_s, _LEAST_BACK_S), back_s) if lost_s else back_s
-        )
-        self._gap_is_new = True
-
-    def _caught_up(self, face: Face, tables: _Tables, step_s: float) -> Face:
-        """Return a face without a jump from what was shown before."""
-        if self._lost_s:
-            first = not np.isfinite(self._lost_s)
-            self._gap_left_s = 0.0
-            if not first:
-                self._begin_gap(self._lost_s)
-            self._lost_s = 0.0
-        self._last = face
-        if self._gap_left_s <= 0.0:
-            return face
-        if self._gap_is_new:
-            self._gap_is_new = False
-            self._gap = Face(*(old - new for old, new in zip(self._face, face, strict=True)))
-        self._gap_left_s -= step_s
-        share = eased(self._gap_left_s / self._gap_s)
-        bent = Face(*(new + share * gap for new, gap in zip(face, self._gap, strict=True)))
-        np.clip(bent.expression, 0.0, 1.0, out=bent.expression)
-        return bent
-
-    def _unseen(self, tables: _Tables, step_s: float) -> Face:
-        """Return the last face, on its way to rest."""
-        idle = tables.settings.idle
-        if not self._lost_s:
-            self._last = self._face
-        self._lost_s += step_s
-        left = 1.0 - eased((self._lost_s - idle.hold_s) / idle.ease_s)
-        return Face(*(left * part for part in self._last))
-
     def _alive(self, face: Face, tables: _Tables, lost: bool, step_s: float) -> Face:
         """Return a face that also does what nobody asked for: breathes, blinks, obeys keys."""
         idle = tables.settings.idle
-        resting = lost and self._lost_s > idle.hold_s
+        resting = lost and self._presence.lost_s > idle.hold_s
         breathes = idle.breathing == "always" or (idle.breathing == "lost" and resting)
         blinks = idle.blinking == "always" or (idle.blinking == "lost" and resting)
         away = face.away + self._breathing.step(breathes, idle.breath, step_s)
