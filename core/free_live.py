@@ -16,7 +16,7 @@ from core.energy_tracker import EnergySettings, EnergyTracker, Solved
 from core.face_blend import FaceBlend, KnownHead
 from core.face_model import FaceModel, eye_centers_mm
 from core.fit_space import face_at
-from core.gaze import GazeFilter, GazeSettings, pupil_directions
+from core.gaze import GazeFilter, GazeSettings, pupil_directions, vergence_rad
 from core.geometry import matrix_from_quaternion
 from core.landmark_flow import Followed
 from core.landmarks import N_INTERNAL
@@ -208,7 +208,9 @@ class FreeTracker:
         directions = pupil_directions(sight, pose, head.eye_centers_mm, self._radii)
         seen = landmarks.pupil_confidence >= SEEN
         closed = np.where(seen, solved.expression[BLINKS], 1.0)
-        return self._gaze.step(directions, closed, time_s)
+        distance_mm = float(np.linalg.norm(solved.translation_mm))
+        inward = vergence_rad(head.eye_centers_mm, distance_mm)
+        return self._gaze.step(directions, closed, time_s, inward)
 
     def _learn(self, landmarks: Landmarks2D, solved: Solved, time_s: float) -> None:
         """Show the frame to the search for the person's face; use a better face and camera."""

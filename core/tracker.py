@@ -27,7 +27,7 @@ import numpy as np
 from core.animation_prior import N_LAGS, AnimationPrior, conditional_tables
 from core.arkit import EXPRESSION_NAMES
 from core.expression_history import History
-from core.gaze import GazeFilter, GazeSettings, pupil_directions
+from core.gaze import GazeFilter, GazeSettings, pupil_directions, vergence_rad
 from core.geometry import quaternion_from_matrix
 from core.kernels.tracking import FaceTables, PriorTables, Workspace, track
 from core.landmarks import GROUPS
@@ -253,7 +253,8 @@ class Tracker:
         rotation = quaternion_from_matrix(self._pose[:3])
         rotation, translation = self._pose_filter.step(rotation, self._pose[3], time_s)
         directions = self._pupil_directions(points) if looks is None else looks(self._pose)
-        gaze = self._gaze_filter.step(directions, self._expression[BLINKS], time_s)
+        inward = vergence_rad(self._model.eye_centers_mm, float(np.linalg.norm(translation)))
+        gaze = self._gaze_filter.step(directions, self._expression[BLINKS], time_s, inward)
         return TrackedFace(rotation, translation, self._expression.copy(), gaze)
 
     def _pupil_directions(self, points: FloatArray) -> FloatArray:

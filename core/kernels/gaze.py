@@ -40,19 +40,20 @@ def pupil_direction(
 def join_eyes(
     directions: FloatArray,  # (2, 2) yaw and pitch of the right, then the left eye
     openness: FloatArray,  # (2,) in [0, 1], not both 0
-    own_share: float,
+    vergence: float,
     limit: float,
     out: FloatArray,  # (2, 2)
 ) -> None:
-    """Write both eyes' directions: what they have in common, and a share of what differs."""
+    """Write both eyes' directions: what they have in common, each turned in by the vergence."""
     total = openness[0] + openness[1]
     for axis in range(2):
-        common = openness[0] * directions[0, axis] + openness[1] * directions[1, axis]
+        # Eyes converge but do not look up and down apart; the right one turns in to the left.
+        inward = vergence if axis == 0 else 0.0
+        common = openness[0] * (directions[0, axis] - inward)
+        common += openness[1] * (directions[1, axis] + inward)
         common /= total
         for eye in range(2):
-            # Eyes converge but do not look up and down apart.
-            own = own_share * openness[eye] if axis == 0 else 0.0
-            angle = common + own * (directions[eye, axis] - common)
+            angle = common + (inward if eye == 0 else -inward)
             out[eye, axis] = min(max(angle, -limit), limit)
 
 

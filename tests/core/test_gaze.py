@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from core.gaze import GazeFilter, pupil_directions
+from core.gaze import GazeFilter, pupil_directions, vergence_rad
 from core.geometry import matrix_from_head_angles
 
 CENTERS = np.array([[-32.0, 0.0, 0.0], [32.0, 0.0, 0.0]])
@@ -58,11 +58,32 @@ def test_a_closed_eye_takes_the_other_eyes_direction():
     np.testing.assert_allclose(gaze, [[0.2, 0.1], [0.2, 0.1]], atol=1e-12)
 
 
-def test_both_eyes_share_pitch_and_converge_only_in_part():
-    gaze = GazeFilter().step(np.array([[0.1, 0.2], [-0.1, 0.0]]), OPEN, 0.0)
-    np.testing.assert_allclose(gaze[:, 1], 0.1)
-    assert 0 < gaze[0, 0] < 0.1
-    np.testing.assert_allclose(gaze[:, 0].sum(), 0, atol=1e-12)
+def test_both_eyes_share_pitch_and_converge_on_the_screen():
+    gaze = GazeFilter().step(np.array([[0.1, 0.2], [-0.06, 0.0]]), OPEN, 0.0, 0.05)
+    np.testing.assert_allclose(gaze, [[0.07, 0.1], [-0.03, 0.1]], atol=1e-12)
+
+
+def test_a_wink_does_not_turn_the_open_eye():
+    gaze = GazeFilter().step(np.array([[0.9, -0.9], [0.2, 0.1]]), RIGHT_CLOSED, 0.0, 0.05)
+    np.testing.assert_allclose(gaze, [[0.3, 0.1], [0.2, 0.1]], atol=1e-12)
+
+
+def test_eyes_crossed_on_purpose_are_shown_crossed_and_noise_is_not():
+    rng, gaze_filter = np.random.default_rng(4), GazeFilter()
+    for k in range(60):
+        noisy = rng.normal(0, 0.06, (2, 2))
+        gaze = gaze_filter.step(noisy, OPEN, k / FPS)
+    assert gaze[0, 0] - gaze[1, 0] < 0.02
+    for k in range(60, 120):
+        gaze = gaze_filter.step(np.array([[0.4, 0.0], [-0.4, 0.0]]), OPEN, k / FPS)
+    assert gaze[0, 0] > 0.25
+    assert gaze[1, 0] < -0.25
+
+
+def test_eyes_turn_in_more_towards_what_is_nearer():
+    near, far = vergence_rad(CENTERS, 400.0), vergence_rad(CENTERS, 800.0)
+    assert near == pytest.approx(np.arctan2(32, 400))
+    assert far < 0.6 * near
 
 
 def test_gaze_holds_through_a_blink():

@@ -9,6 +9,7 @@ from core import generations
 from core.arkit import EXPRESSION_NAMES
 from core.camera import camera_for
 from core.errors import ArrayShapeError
+from core.eye_reader import PATCH_PIXELS, EyeReader
 from core.fern_regressor import FernRegressor
 from core.generations import (
     ProfileDamagedError,
@@ -67,6 +68,9 @@ def make_profile(rng, name="pose_yaw"):
         ),
         regressor=make_regressor(rng),
         report={"held_out": {"rmse_px": np.float32(0.75), "worst": np.nan, "frames": [1, 2]}},
+        eyes=EyeReader(
+            rng.random((2, 4, PATCH_PIXELS)), rng.random((2, 5 + PATCH_PIXELS, 2)), 0.06
+        ),
     )  # fmt: skip
 
 
@@ -84,7 +88,7 @@ def assert_same(found, wanted):
 
 
 def assert_same_profile(found, wanted):
-    for name in ("camera", "fit", "user", "shapes", "regressor"):
+    for name in ("camera", "fit", "user", "shapes", "regressor", "eyes"):
         assert_same(getattr(found, name), getattr(wanted, name))
     for a, b in zip(found.landmarks, wanted.landmarks, strict=True):
         assert_same(a, b)
@@ -183,7 +187,9 @@ def test_newer_schema_names_both_versions_and_is_not_overwritten(tmp_path, rng):
     assert json.loads(header.read_text()) == newer
 
 
-@pytest.mark.parametrize("name", ["setup.npz", "user.npz", "regressor.npz", "report.json"])
+@pytest.mark.parametrize(
+    "name", ["setup.npz", "user.npz", "regressor.npz", "eyes.npz", "report.json"]
+)
 def test_every_missing_or_changed_file_is_named(tmp_path, rng, name):
     save(tmp_path, make_profile(rng), PICTURES)
     path = tmp_path / "data-0001" / name
