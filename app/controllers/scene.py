@@ -42,6 +42,11 @@ class AvatarScene(QObject):
         """Whether somebody plays."""
         return self._cast is not None
 
+    @property
+    def look_now(self) -> AvatarLook:
+        """How the pictures are taken."""
+        return self._look
+
     def enter(self, user: UserBlendshapes | None) -> None:
         """Let the chosen avatar play a user, at rest before the first state comes."""
         self._last = None
