@@ -4,6 +4,7 @@ from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.augmentation import AugmentationSettings
 from core.camera import project
@@ -240,17 +241,13 @@ def _report(pictures: Measured, tries: Sequence[Try]) -> dict[str, object]:
     picture = np.array([one.picture for one in tries])
     rmse = np.sqrt(np.mean(np.square([one.errors_px for one in tries]), axis=1))
     turn = np.abs([one.turn_deg for one in tries])
-    matrices = matrix_from_quaternion(pictures.shapes.rotations_wxyz)
-    yaw = np.abs(np.rad2deg([head_angles_from_matrix(one)[0] for one in matrices]))
-    told = [shot_of(name) for name in pictures.names]
-    faces = np.array(["" if shot is None else shot.expression_name for shot in told])
     eye_px = eye_distance_px(pictures)
     return summary(rmse, turn, eye_px) | {
         "pictures": len(set(picture.tolist())),
         "tries": len(tries),
         "eye_distance_px": eye_px,
-        "by_yaw": by_yaw(yaw[picture], rmse, turn),
-        "by_expression": by_expression(faces[picture], rmse, turn),
+        "by_yaw": by_yaw(yaws_deg(pictures)[picture], rmse, turn),
+        "by_expression": by_expression(faces_of(pictures)[picture], rmse, turn),
         "by_picture": [
             {
                 "name": pictures.names[n],
@@ -261,6 +258,18 @@ def _report(pictures: Measured, tries: Sequence[Try]) -> dict[str, object]:
         ],
         "worst_pictures": _worst(picture, rmse),
     }
+
+
+def yaws_deg(pictures: Measured) -> FloatArray:
+    """Return how far the head is turned sideways in every picture, (N,)."""
+    matrices = matrix_from_quaternion(pictures.shapes.rotations_wxyz)
+    return np.abs(np.rad2deg([head_angles_from_matrix(one)[0] for one in matrices]))
+
+
+def faces_of(pictures: Measured) -> NDArray[np.str_]:
+    """Return the name of the prompted expression of every picture (N,), "" without a prompt."""
+    shots = [shot_of(name) for name in pictures.names]
+    return np.array(["" if shot is None else shot.expression_name for shot in shots])
 
 
 def eye_distance_px(pictures: Measured) -> float:

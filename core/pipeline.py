@@ -3,9 +3,9 @@
 pictures -> landmarks -> camera -> model fit -> blendshapes -> 3D shapes -> regressor
 """
 
-from collections.abc import Collection, Generator, Sequence
+from collections.abc import Collection, Generator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from core.calibration import CalibrationSettings, FocalEstimate, estimate_focal
 from core.camera import camera_for
 from core.errors import CoreError
 from core.evaluation import TABLE_WIDTH_PX
+from core.expression_sight import sight_of
 from core.eye_reader import EyeReader
 from core.eye_trainer import EyePictures, train_eyes
 from core.face_model import FaceModel, eye_centers_mm
@@ -35,6 +36,7 @@ from core.regressor_trainer import TrainSettings, train
 from core.shape_recovery import RecoverySettings, recover_shapes
 from core.tracker import BLINKS
 from core.training_set import TrainingSetSettings, make_training_set
+from core.weak_expressions import Shown, weak_expressions
 
 T = TypeVar("T")
 
@@ -181,6 +183,7 @@ def build(
     regressor = yield from stages.run("train", train(samples, rng, settings.train))
     report = _report(focal, images, fit, shapes) | {"held_out": held_out}
     report |= _unfitted(given, sorting)
+    report["weak_expressions"] = _weak(model, user, tested, report)
     kept, before = _chosen(given, found, sorting.kept)
     pictures = Pictures(kept.names, tuple(gray_from_rgb(one) for one in kept.images), before)
     placed = with_guesses(model, user, camera, pictures, Placed(landmarks, fit, shapes))
@@ -236,6 +239,18 @@ class _Stages:
                 return end.value  # type: ignore[no-any-return]
             place = self._before + self._shares[name] * inner.done / max(inner.total, 1)
             yield replace(inner, done=round(STEPS * place), total=STEPS, label=label)
+
+
+def _weak(
+    model: FaceModel, user: UserBlendshapes, pictures: Measured, report: Mapping[str, Any]
+) -> list[dict[str, object]]:
+    shapes = pictures.shapes
+    distance_mm = float(np.median(shapes.translations_mm[:, 2]))
+    unused = (*report["guessed"], *report["left_out"])
+    return weak_expressions(
+        sight_of(model, user, pictures.camera, distance_mm),
+        Shown(pictures.names, shapes.coefficients, unused),
+    )
 
 
 def _unfitted(given: SetupImages, sorting: Sorting) -> dict[str, object]:
