@@ -1,5 +1,6 @@
 """The avatars by name, and painters that draw one as face states say."""
 
+import time
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -9,8 +10,10 @@ from app.avatars.gallery import Gallery
 from app.avatars.painter import AvatarPainter as Drawer
 from app.avatars.painter import AvatarWish
 from app.avatars.views import Framing, overlay, portrait
+from app.picture_files import PictureShelf
 from app.render.avatar import Avatar
 from app.render.look import AvatarLook
+from app.render.quality import IN_SOFTWARE, ON_CARD, Ladder, Quality
 from app.render.renderer import Renderer
 from app.resources import asset
 from core.arkit import EXPRESSION_NAMES
@@ -70,14 +73,14 @@ class PortraitView:
         self._from_rest = self._rest_wxyz * [1, -1, -1, -1]
         self._rest_mm: FloatArray | None = None
 
-    def framing(self, avatar: Avatar, state: FaceState) -> Framing:
+    def framing(self, avatar: Avatar, state: FaceState, look: AvatarLook | None = None) -> Framing:
         """Return where camera, head and body are."""
         if self._rest_mm is None and not state.lost:
             self._rest_mm = state.translation_mm
         # Before the face is seen, the state's rotation is nobody's.
         usual = state.rotation_wxyz if self._rest_mm is not None else self._rest_wxyz
         rotation = multiply_quaternions(usual, self._from_rest)
-        return portrait(avatar, self._size_px, rotation, state.translation_mm, self._rest_mm)
+        return portrait(avatar, self._size_px, rotation, state.translation_mm, self._rest_mm, look)
 
 
 class AvatarPainter:
@@ -159,6 +162,8 @@ class LivePainter:
     def __init__(self, renderer: Renderer, model: FaceModel, size_px: tuple[int, int]) -> None:
         """Prepare pictures of a size (width, height); avatars are made when first wished for."""
         self._drawer, self._model, self._size_px = Drawer(renderer), model, size_px
+        self._ladder = Ladder(IN_SOFTWARE if renderer.software else ON_CARD)
+        self._pictures = PictureShelf()
         self._cast: Cast | None = None
         self._avatars: dict[tuple[str, UserBlendshapes | None], Avatar] = {}
 
@@ -170,8 +175,28 @@ class LivePainter:
         """
         if wish.cast is not self._cast:
             self._enter(wish.cast)
-        framing = self._view.framing(self._avatar, wish.state)
-        return self._drawer.draw(_wish(self._avatar, framing, wish.state))
+        begun_s = time.perf_counter()
+        quality, asked = self._ladder.quality, wish.look
+        look = asked.changed(samples=min(asked.samples, quality.samples))
+        framing = self._view.framing(self._avatar, wish.state, look)
+        state, behind = wish.state, self._behind(wish)
+        drawn = AvatarWish(
+            self._avatar, framing, state.expression, state.gaze_rad, False, look, behind
+        )
+        picture = self._drawer.draw(drawn, quality.scale)
+        self._ladder.count(1000 * (time.perf_counter() - begun_s))
+        return picture
+
+    @property
+    def quality(self) -> Quality:
+        """How well the next picture will be drawn."""
+        return self._ladder.quality
+
+    def _behind(self, wish: LiveWish) -> U8 | None:
+        """Return the picture that the background of a wish needs, if it needs one."""
+        if wish.look.background.kind == "picture":
+            return self._pictures.get(wish.look.background.picture)
+        return None if wish.frame is None else wish.frame.rgb
 
     def _enter(self, cast: Cast) -> None:
         """Centre the portrait anew, and make the avatar unless it was among the last ones."""

@@ -17,7 +17,8 @@ Color = tuple[int, int, int]
 #: Limits of the numbers: name -> least, greatest.
 LIMITS = {
     "yaw_rad": (-math.pi, math.pi),
-    "pitch_rad": (-1.2, 1.2),
+    # From further below, clothes would be seen from inside.
+    "pitch_rad": (-0.6, 1.2),
     "zoom": (0.4, 6.0),
     "pan": (-1.5, 1.5),
     "brightness": (0.3, 2.0),

@@ -60,7 +60,7 @@ class Renderer:
         self.software = draws_in_software(self._context)
         self._programs: dict[str, moderngl.Program] = {}
         self._backdrop: tuple[U8, U8] | None = None
-        self._targets: dict[tuple[int, int], Target] = {}
+        self._targets: dict[tuple[int, int, int], Target] = {}
 
     def upload(self, mesh: Mesh, material: Material) -> Drawable:
         """Return the mesh on the graphics card, ready to be placed in scenes."""
@@ -69,20 +69,26 @@ class Renderer:
             self._programs[material.shader] = program
         return Drawable(self._context, self._programs[material.shader], mesh, material)
 
-    def draw(self, scene: Scene) -> U8:
-        """Return the picture of a scene, (H, W, 4) uint8; colours are premultiplied by alpha."""
-        width, height = scene.view.camera.size_px
-        factor = scene.view.supersampling
-        target = self._target((width * factor, height * factor))
+    def draw(self, scene: Scene, scale: float = 1.0) -> U8:
+        """Return the picture of a scene, (H, W, 4) uint8; colours are premultiplied by alpha.
+
+        Args:
+            scene: What to draw.
+            scale: Below 1 saves time: the figure is drawn smaller by this factor and enlarged.
+        """
+        width, height = size = scene.view.camera.size_px
+        factor = scene.view.supersampling * scale
+        target = self._target((round(width * factor), round(height * factor)), scene.view.samples)
         self._paint(scene, target)
         self._finish()
         picture = target.read()
-        if factor > 1:
-            picture = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)
-        elif not target.samples:
+        if scene.view.supersampling == 1 and not target.samples:
             picture = _smoothed(picture)
+        if picture.shape[1::-1] != size:
+            how = cv2.INTER_AREA if factor > 1 else cv2.INTER_LINEAR
+            picture = np.asarray(cv2.resize(picture, size, interpolation=how), np.uint8)
         if scene.backdrop is not None:
-            lay_over(self._fitted(scene.backdrop, (width, height)), picture)
+            lay_over(self._fitted(scene.backdrop, size), picture)
         return picture
 
     def depth_mm(self, scene: Scene) -> F32:
@@ -90,7 +96,7 @@ class Renderer:
 
         Infinite where nothing is. Of the same scene as `draw`, in a pass of its own.
         """
-        target = self._target(scene.view.camera.size_px)
+        target = self._target(scene.view.camera.size_px, scene.view.samples)
         self._paint(scene, target)
         self._finish()
         near, far = scene.view.near_mm, scene.view.far_mm
@@ -102,14 +108,20 @@ class Renderer:
         """Free the context; nothing made by this renderer can be used afterwards."""
         self._context.release()
 
-    def _target(self, size_px: tuple[int, int]) -> Target:
-        """Return the framebuffer of this size; two sizes are kept, as for a film and a view."""
-        target = self._targets.pop(size_px, None)
+    def samples(self, asked: int) -> int:
+        """Return how many samples per pixel there are where some are asked for."""
+        return 0 if self.software else min(asked, self._context.max_samples)
+
+    def _target(self, size_px: tuple[int, int], asked: int) -> Target:
+        """Return the framebuffer of this size; two are kept, as for a film and a view."""
+        samples = self.samples(asked)
+        key = (*size_px, samples)
+        target = self._targets.pop(key, None)
         if target is None:
             while len(self._targets) >= 2:
                 self._targets.pop(next(iter(self._targets))).release()
-            target = Target(self._context, size_px, 0 if self.software else 4)
-        self._targets[size_px] = target
+            target = Target(self._context, size_px, samples)
+        self._targets[key] = target
         return target
 
     def _paint(self, scene: Scene, target: Target) -> None:
@@ -118,7 +130,7 @@ class Renderer:
         context.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
         context.enable(moderngl.DEPTH_TEST)
         # The projection turns pictures over, and with them every triangle.
-        context.front_face = "cw"
+        context.front_face = "ccw" if scene.view.mirrored else "cw"
         for program in {item.drawable.program for item in scene.items}:
             _set_view(program, scene)
         for item in sorted(scene.items, key=lambda item: item.drawable.material.blended):

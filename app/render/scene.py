@@ -147,26 +147,33 @@ class View:
         near_mm: Nearest distance drawn.
         far_mm: Furthest distance drawn.
         supersampling: 1, or 2 to draw at twice the size and average: for stills and films.
+        mirrored: The picture is turned over, right for left; light from the left of the camera
+            then falls from the right of the picture.
+        samples: Per pixel, that a graphics card is asked for; 0 for none. It gives what it can.
     """
 
     camera: Camera
     near_mm: float = 40.0
     far_mm: float = 6000.0
     supersampling: int = 1
+    mirrored: bool = False
+    samples: int = 4
 
     def projection(self) -> FloatArray:
         """Return the matrix (4, 4) from the camera frame to OpenGL's clip space.
 
         The picture's first row lies at clip y = -1, where OpenGL starts to read, so that no
-        picture is ever turned over in memory. Every triangle's sense of rotation turns over.
+        picture is ever turned over in memory. Every triangle's sense of rotation turns over,
+        and once more in a mirror.
         """
         width, height = self.camera.size_px
         focal, (x, y) = self.camera.focal_px, self.camera.center_px
         near, far = self.near_mm, self.far_mm
         depth = far - near
+        side = -1 if self.mirrored else 1
         return np.array(
             [
-                [2 * focal / width, 0, (2 * x + 1) / width - 1, 0],
+                [side * 2 * focal / width, 0, side * ((2 * x + 1) / width - 1), 0],
                 [0, 2 * focal / height, (2 * y + 1) / height - 1, 0],
                 [0, 0, (far + near) / depth, -2 * far * near / depth],
                 [0, 0, 1, 0],

@@ -11,7 +11,7 @@ class Target:
 
     def __init__(self, context: moderngl.Context, size_px: tuple[int, int], samples: int) -> None:
         self._context, self._size_px = context, size_px
-        self.samples = min(samples, context.max_samples)
+        self.samples = samples
         self._plain = self._framebuffer(0)
         self._drawn = self._framebuffer(self.samples) if self.samples else self._plain
 

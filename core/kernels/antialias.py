@@ -117,8 +117,41 @@ def lay_over(
             alpha = picture[y, x, 3]
             if alpha == 255:
                 continue
-            rest = numba.uint32(255) - alpha
-            for c in range(3):
-                behind = (rest * backdrop[y, x, c] + numba.uint32(127)) // numba.uint32(255)
-                picture[y, x, c] = numba.uint8(min(picture[y, x, c] + behind, numba.uint32(255)))
+            if alpha == 0:
+                for c in range(3):
+                    picture[y, x, c] = backdrop[y, x, c]
+            else:
+                rest = numba.uint32(255) - alpha
+                for c in range(3):
+                    behind = (rest * backdrop[y, x, c] + numba.uint32(127)) // numba.uint32(255)
+                    total = picture[y, x, c] + behind
+                    picture[y, x, c] = numba.uint8(min(total, numba.uint32(255)))
+            picture[y, x, 3] = 255
+
+
+@numba.njit(cache=True, nogil=True)
+def cut_out(
+    red: int,
+    green: int,
+    blue: int,
+    picture: U8,  # (H, W, 4) premultiplied; changed
+) -> None:
+    """Put one colour behind a picture without ever mixing it with the figure.
+
+    A pixel is the figure's own colour where the figure covers half of it, and the colour
+    elsewhere: what keys the colour out later finds no mixture that would stay as a fringe.
+    """
+    key = (numba.uint8(red), numba.uint8(green), numba.uint8(blue))
+    for y in range(picture.shape[0]):
+        for x in range(picture.shape[1]):
+            alpha = numba.uint32(picture[y, x, 3])
+            if alpha == 255:
+                continue
+            if alpha < 128:
+                for c in range(3):
+                    picture[y, x, c] = key[c]
+            else:
+                for c in range(3):
+                    own = (numba.uint32(picture[y, x, c]) * 255 + alpha // 2) // alpha
+                    picture[y, x, c] = numba.uint8(min(own, numba.uint32(255)))
             picture[y, x, 3] = 255
