@@ -22,12 +22,11 @@ from app.controllers.face_desk import FaceDesk
 from app.controllers.live_chain import (
     Listener,
     LiveChain,
-    SwappedTracker,
     SwappingOpener,
 )
+from app.controllers.performing import Performing
 from app.controllers.player import Opened, Performer, Player, Wanted
 from app.controllers.profile_maker import MadeProfile
-from app.controllers.profile_switch import ProfileSwitch
 from app.controllers.remarks import (
     BROKEN,
     GETTING_READY,
@@ -72,14 +71,14 @@ class LiveController(QObject):
         self._window, self._tools = window, tools
         self._lists = ChoiceLists(window, tools)
         self._wanted = Wanted("", NO_PROFILE.key)
-        self._performer: Performer | None = None
-        self._swapped: SwappedTracker | None = None
-        self._trouble, self._spell = False, FreeSpell()
-        self._showing = Showing(window, self)
+        self._spell = FreeSpell()
+        self._showing = Showing(window, tools, self)
         self.scene = AvatarScene(tools, tools.avatars()[0].key, self)
         self._chain = LiveChain(Drive(), self._on_solved)
         self.player = Player(SwappingOpener(tools), self._chain.solved, self)
-        self._switch = ProfileSwitch(tools, self)
+        self._performing = Performing(
+            tools, self._chain.drive, self.scene, self._showing.overlays, self
+        )
         self._desk = FaceDesk(window, tools, self)
         self._timer = QTimer(self)
         self._timer.timeout.connect(self._look_around)
@@ -120,7 +119,8 @@ class LiveController(QObject):
         self._timer.stop()
         self.ending.emit()
         self._desk.stop()
-        self._switch.stop()
+        self._performing.stop()
+        self._showing.overlays.stop()
         self.player.stop()
         self.scene.stop()
 
@@ -136,21 +136,17 @@ class LiveController(QObject):
 
     def use_profile(self, profile: str) -> None:
         """Change over to a profile; the picture goes on with the one before meanwhile."""
-        if self._swapped is None or not self.player.busy:
+        if not self._performing.plays:
             self._play(self._wanted.source, profile)
             return
         self._wanted = Wanted(self._wanted.source, profile)
         self._show_choices()
         self._window.message_bar.tell("")
-        self._switch.load(profile)
+        self._performing.load(profile)
 
     def swap_performer(self, performer: Performer) -> None:
         """Let another tracker solve from the next frame on, for another head or a better one."""
-        if self._swapped is None:
-            return
-        self._performer = performer
-        self._swapped.tracker = performer.tracker
-        self.scene.become(performer.user)
+        self._performing.swap(performer)
 
     # -- choices -------------------------------------------------------------------------
 
@@ -185,16 +181,14 @@ class LiveController(QObject):
 
     def _forget(self) -> None:
         """Leave nothing of the source before on the screen or in the numbers."""
-        self._performer, self._swapped, self._trouble = None, None, False
-        self._switch.forget()
+        self._performing.forget()
         self._showing.reset()
-        self.scene.leave()
         self._window.avatar_pane.say(PREPARING if self._wanted.source else WAITING)
         self._invite()
 
     def _invite(self) -> None:
         """Say below the pictures what a profile would bring, or why this one is not used."""
-        if self._trouble:
+        if self._performing.unusable:
             hint = UNUSABLE
         elif self._wanted.profile:
             hint = STRANGER if self._spell.lasts(self._showing.state) else ""
@@ -218,8 +212,8 @@ class LiveController(QObject):
         self.player.broken.connect(lambda: self._on_source_failed(AppError(BROKEN)))
         self.scene.painted.connect(self._showing.show_painted)
         self.scene.failed.connect(self._on_avatar_failed)
-        self._switch.loaded.connect(self._on_switched)
-        self._switch.failed.connect(self._on_switch_failed)
+        self._performing.changed.connect(self._on_performer_changed)
+        self._performing.failed.connect(lambda error: self._window.message_bar.tell(str(error)))
         self._desk.changed.connect(self._invite)
         self._desk.camera_needed.connect(self._on_camera_needed)
         self._desk.camera_free.connect(self._on_camera_free)
@@ -234,19 +228,11 @@ class LiveController(QObject):
 
     def _on_opened(self, opened: Opened) -> None:
         if opened.trouble is not None:
-            self._trouble = True
             self._window.message_bar.tell(str(opened.trouble))
-        tracker = opened.performer.tracker
-        self._swapped = tracker if isinstance(tracker, SwappedTracker) else None
-        self._performer = opened.performer
-        self.drive.reset()
-        self.scene.enter(opened.performer.user)
+        self._performing.begin(opened)
         self._invite()
 
-    def _on_switched(self, profile: str, performer: Performer) -> None:
-        # Where the wanted one could not be loaded, what comes needs none.
-        self._trouble = profile != self._wanted.profile
-        self.swap_performer(performer)
+    def _on_performer_changed(self) -> None:
         self._invite()
         self.profile_changed.emit(self._wanted.profile)
 
@@ -256,19 +242,6 @@ class LiveController(QObject):
         """Count and have painted what was solved; called in the live thread."""
         self._showing.count(frame, state, delivered_s)
         self.scene.show(driven, delivered_s, frame, state)
-
-    def _on_switch_failed(self, profile: str, error: CoreError | AppError) -> None:
-        """Go on without a profile."""
-        self._window.message_bar.tell(str(error))
-        self._switch.load("")
-
-    def _get_acquainted(self) -> None:
-        """Give the avatar the head of who was seen without a profile, once it is known."""
-        performer = self._performer
-        user = performer.learned() if performer is not None else None
-        if user is not None:
-            self._performer = None
-            self.scene.become(user)
 
     def _on_source_failed(self, error: CoreError | AppError) -> None:
         self._forget()
@@ -283,7 +256,7 @@ class LiveController(QObject):
 
     def _look_around(self) -> None:
         """Do what need not be done with every frame."""
-        self._get_acquainted()
+        self._performing.look_around()
         self._invite()
         self._showing.show_numbers(self.player.busy)
 

@@ -6,11 +6,12 @@ All of it must stay well below a millisecond beside the tracker.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from app.capture.source import FrameSource
 from app.controllers.player import FaceTracker, Opener, Performer
 from core.drive import Drive
-from core.records import FaceState, Frame
+from core.records import Camera, FaceState, Frame
 
 #: Called in the live thread: frame, solved state, driven state, when the frame was delivered on
 #: the clock of time.perf_counter.
@@ -22,6 +23,12 @@ class SwappedTracker:
 
     def __init__(self, tracker: FaceTracker) -> None:
         self.tracker = tracker
+
+    @property
+    def camera(self) -> Camera | None:
+        """The camera that the tracker assumes, None where it tells none."""
+        camera: Camera | None = getattr(self.tracker, "camera", None)
+        return camera
 
     def step(self, frame: Frame) -> FaceState:
         """Return the face in a frame, by the tracker of this moment."""
@@ -53,7 +60,7 @@ class SwappingOpener:
 
 def swappable(performer: Performer) -> Performer:
     """Return the performer with a tracker that can be replaced."""
-    return Performer(SwappedTracker(performer.tracker), performer.user, performer.learned)
+    return replace(performer, tracker=SwappedTracker(performer.tracker))
 
 
 class LiveChain:

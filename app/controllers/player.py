@@ -12,6 +12,7 @@ from app.errors import AppError
 from app.workers.job import Job
 from app.workers.live_loop import LiveLoop
 from core.errors import CoreError
+from core.fern_regressor import FernRegressor
 from core.records import FaceState, Frame, Progress, UserBlendshapes
 
 
@@ -56,13 +57,14 @@ class Performer:
     Attributes:
         tracker: Solves the frames.
         user: Of the profile, None without one.
-        learned: Asked in the window's thread: who was seen meanwhile, None as long as nobody is
-            known.
+        learned: Asked in the background: who was seen meanwhile, None as long as nobody is known.
+        regressor: Of the profile, None without one.
     """
 
     tracker: FaceTracker
     user: UserBlendshapes | None
     learned: Callable[[], UserBlendshapes | None] = nobody
+    regressor: FernRegressor | None = None
 
 
 class Opener(Protocol):

@@ -6,27 +6,23 @@ from PySide6.QtCore import QObject
 
 from app.controllers.matching import DelayMatch
 from app.controllers.meter import Meter
+from app.controllers.overlays import MeshMaker, Overlays
 from app.controllers.remarks import SEARCHING, state_name
 from app.views.live_window import LiveWindow
-from app.views.picture_view import Overlay, image_from_array
+from app.views.picture_view import blank_image, image_from_array
 from app.views.status_row import LiveNumbers
 from app.workers.avatar_loop import Painted
 from app.workers.live_loop import LiveResult
-from core.landmarks import CURVES, N_INTERNAL
 from core.records import FaceState, Frame
-
-#: The last landmarks stand for the outline but lie on the skin: they are dots, not a line.
-DRAWN_CURVES = tuple(curve for curve in CURVES if max(curve) < N_INTERNAL)
-#: Below this confidence landmarks are drawn in the warning colour.
-SURE = 0.5
 
 
 class Showing(QObject):
     """The screen's side of the live view; remembers the newest state."""
 
-    def __init__(self, window: LiveWindow, parent: QObject | None = None) -> None:
+    def __init__(self, window: LiveWindow, maker: MeshMaker, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._window = window
+        self.overlays = Overlays(window.deeds, maker, self)
         self._meter, self._match = Meter(), DelayMatch()
         self.state: FaceState | None = None
 
@@ -39,6 +35,7 @@ class Showing(QObject):
     def count(self, frame: Frame, state: FaceState, delivered_s: float) -> None:
         """Count a solved frame; called in the live thread."""
         self._meter.count(frame, state, 1000 * (time.perf_counter() - delivered_s))
+        self.overlays.note(frame, state)
 
     def show_solved(self, result: LiveResult) -> None:
         """Show a frame, unless its avatar picture is about to come."""
@@ -51,7 +48,8 @@ class Showing(QObject):
         wish = painted.wish
         if wish.delivered_s is not None:
             self._meter.count_latency(1000 * (painted.ready_s - wish.delivered_s))
-        self._window.avatar_pane.show_picture(image_from_array(painted.picture))
+        layers = self.overlays.over_avatar(wish.state)
+        self._window.avatar_pane.show_picture(image_from_array(painted.picture), layers)
         if wish.frame is None or wish.solved is None:
             return
         if self._match.on_painted(wish.frame):
@@ -74,13 +72,10 @@ class Showing(QObject):
         )  # fmt: skip
 
     def _show_frame(self, frame: Frame, state: FaceState) -> None:
-        image = image_from_array(frame.rgb)
-        if state.lost:
-            self._window.source_pane.show_picture(image, badge=SEARCHING)
-        else:
-            self._window.source_pane.show_picture(image, self._overlay(state))
-
-    def _overlay(self, state: FaceState) -> Overlay | None:
-        if not self._window.landmarks_wanted:
-            return None
-        return Overlay(state.landmarks_px, DRAWN_CURVES, certain=state.confidence > SURE)
+        """Show a frame, or if that is not wished for only what was found in it."""
+        height, width = frame.gray.shape
+        hidden = self._window.deeds.on("blank")
+        image = blank_image(width, height) if hidden else image_from_array(frame.rgb)
+        badge = SEARCHING if state.lost else ""
+        layers = self.overlays.over_source(state)
+        self._window.source_pane.show_picture(image, layers, badge)

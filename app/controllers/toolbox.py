@@ -11,6 +11,7 @@ import numpy as np
 
 from app.capture.source import FrameSource
 from app.capture.webcam import list_cameras
+from app.controllers.face_mesh import FaceMesh
 from app.controllers.filming import film_performer
 from app.controllers.looped import Looped
 from app.controllers.player import Performer
@@ -29,7 +30,7 @@ from app.views.choice import Choice
 from app.workers.avatar_loop import DrawingThread, Painted, painted
 from core.free_warm_up import warm_up
 from core.generations import check_target
-from core.records import Progress
+from core.records import Progress, UserBlendshapes
 from core.store import Profile, load
 
 if TYPE_CHECKING:
@@ -86,13 +87,21 @@ class Toolbox:
         Raises:
             CoreError, AppError: It cannot be used.
         """
-        profile = load(profile_folder(key))
-        return Performer(auto_tracker(self.models(), profile), profile.user)
+        return self.performer(load(profile_folder(key)))
+
+    def performer(self, profile: Profile) -> Performer:
+        """Return what follows the person of a profile, and anybody else without it."""
+        tracker = auto_tracker(self.models(), profile)
+        return Performer(tracker, profile.user, regressor=profile.regressor)
 
     def open_free(self) -> Performer:
         """Make a tracker that needs no profile."""
         tracker = free_tracker(self.models())
         return Performer(tracker, None, lambda: tracker.user if tracker.acquainted else None)
+
+    def face_mesh(self, user: UserBlendshapes | None) -> FaceMesh:
+        """Return the lines of a user's face, without one of the mean face."""
+        return FaceMesh(self.models().face_model, user)
 
     def models(self) -> Models:
         """Return the shipped models, loaded and warmed up at the first call from any thread."""

@@ -5,6 +5,7 @@ from typing import Protocol
 
 from PySide6.QtCore import SignalInstance
 
+from app.controllers.overlays import MeshMaker
 from app.controllers.player import Opener
 from app.controllers.profile_maker import MadeProfile
 from app.controllers.scene import Studio
@@ -26,7 +27,7 @@ class Guided(Protocol):
         ...
 
 
-class Tools(Opener, Studio, Protocol):
+class Tools(Opener, Studio, MeshMaker, Protocol):
     """What is needed of the toolbox."""
 
     def cameras(self) -> list[Choice]:

@@ -7,8 +7,9 @@ from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QStackedLayout, QWidget
 
 from app.views.choice import Choice
+from app.views.layers import Layer
 from app.views.notice import Notice
-from app.views.picture_view import Overlay, PictureView
+from app.views.picture_view import PictureView
 
 
 class Pane(QWidget):
@@ -34,9 +35,9 @@ class Pane(QWidget):
         """Return the size of a usual webcam picture."""
         return self.picture.sizeHint()
 
-    def show_picture(self, image: QImage, overlay: Overlay | None = None, badge: str = "") -> None:
-        """Show a picture with points and a short remark over it."""
-        self.picture.show_image(image, overlay, badge)
+    def show_picture(self, image: QImage, layers: Sequence[Layer] = (), badge: str = "") -> None:
+        """Show a picture, what lies over it, and a short remark."""
+        self.picture.show_image(image, layers, badge)
         self._layout.setCurrentWidget(self.picture)
 
     def say(self, text: str, choices: Sequence[Choice] = ()) -> None:

@@ -1,6 +1,6 @@
 """A picture, fitted into its widget, with points and a short remark over it."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,29 +8,13 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-#: Bright on skin and on dark hair, and told apart by colour-blind people.
-POINT_COLOR = QColor(0, 220, 255)
-POINT_EDGE = QColor(0, 40, 60, 200)
-LOST_COLOR = QColor(255, 170, 0)
+from app.views.layers import LOST_COLOR, Layer
+
 #: Pictures are judged best against a dark, neutral surround, in light and dark themes alike.
 SURROUND_COLOR = QColor(32, 34, 37)
+BLANK_COLOR = QColor(44, 47, 51)
 BADGE_COLOR = QColor(20, 22, 24, 215)
 EMPTY_TEXT_COLOR = QColor(214, 218, 222)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Overlay:
-    """Points to draw over a picture.
-
-    Attributes:
-        points_px: (L, 2) in the picture's pixels.
-        curves: Sequences of indices to join by lines.
-        certain: False draws in the warning colour.
-    """
-
-    points_px: NDArray[np.float64]
-    curves: tuple[tuple[int, ...], ...] = ()
-    certain: bool = True
 
 
 def image_from_array(pixels: NDArray[np.uint8]) -> QImage:
@@ -39,6 +23,13 @@ def image_from_array(pixels: NDArray[np.uint8]) -> QImage:
     height, width, channels = pixels.shape
     form = QImage.Format.Format_RGB888 if channels == 3 else QImage.Format.Format_RGBA8888
     return QImage(pixels.data, width, height, channels * width, form).copy()
+
+
+def blank_image(width: int, height: int) -> QImage:
+    """Return a picture that shows nothing."""
+    image = QImage(width, height, QImage.Format.Format_RGB32)
+    image.fill(BLANK_COLOR)
+    return image
 
 
 class PictureView(QWidget):
@@ -50,10 +41,15 @@ class PictureView(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setMinimumSize(240, 180)
         self._image: QImage | None = None
-        self._overlay: Overlay | None = None
+        self._layers: tuple[Layer, ...] = ()
         self._badge = ""
         self._mirrored = False
         self._surround: QColor | None = SURROUND_COLOR
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """What lies over the picture."""
+        return self._layers
 
     @property
     def badge(self) -> str:
@@ -65,16 +61,16 @@ class PictureView(QWidget):
         return QSize(640, 480)
 
     def show_image(
-        self, image: QImage | None, overlay: Overlay | None = None, badge: str = ""
+        self, image: QImage | None, layers: Sequence[Layer] = (), badge: str = ""
     ) -> None:
         """Show a picture, or with None only the surround.
 
         Args:
             image: The picture.
-            overlay: Points over it.
+            layers: What lies over it.
             badge: A short remark over its lower edge.
         """
-        self._image, self._overlay, self._badge = image, overlay, badge
+        self._image, self._layers, self._badge = image, tuple(layers), badge
         self.update()
 
     def set_badge(self, badge: str) -> None:
@@ -110,6 +106,7 @@ class PictureView(QWidget):
             painter.save()
             self._paint_picture(painter, self._image, target)
             painter.restore()
+            self._paint_in_front(painter, target)
             if self._badge:
                 self._paint_badge(painter, target)
         painter.end()
@@ -122,8 +119,17 @@ class PictureView(QWidget):
             painter.translate(image.width(), 0)
             painter.scale(-1, 1)
         painter.drawImage(QPointF(0, 0), image)
-        if self._overlay is not None:
-            self._paint_overlay(painter, self._overlay)
+        area = QRectF(0, 0, image.width(), image.height())
+        for layer in self._layers:
+            if layer.over_picture:
+                layer.paint(painter, area)
+
+    def _paint_in_front(self, painter: QPainter, target: QRectF) -> None:
+        for layer in self._layers:
+            if not layer.over_picture:
+                painter.save()
+                layer.paint(painter, target)
+                painter.restore()
 
     def _paint_badge(self, painter: QPainter, target: QRectF) -> None:
         metrics = painter.fontMetrics()
@@ -136,21 +142,3 @@ class PictureView(QWidget):
         painter.drawRoundedRect(box, height / 2, height / 2)
         painter.setPen(EMPTY_TEXT_COLOR)
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, self._badge)
-
-    def _paint_overlay(self, painter: QPainter, overlay: Overlay) -> None:
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        # Pixel centres are whole numbers in our coordinates and halves in Qt's.
-        points = [QPointF(x + 0.5, y + 0.5) for x, y in overlay.points_px]
-        color = POINT_COLOR if overlay.certain else LOST_COLOR
-        line = QPen(color, 1.0)
-        line.setCosmetic(True)
-        painter.setPen(line)
-        for curve in overlay.curves:
-            painter.drawPolyline([points[index] for index in curve])
-        radius = 1.8 / painter.transform().m22()
-        edge = QPen(POINT_EDGE, 0.8)
-        edge.setCosmetic(True)
-        painter.setPen(edge)
-        painter.setBrush(color)
-        for point in points:
-            painter.drawEllipse(point, radius, radius)

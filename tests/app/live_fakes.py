@@ -2,6 +2,7 @@
 
 import threading
 import time
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from app.errors import AppError, CameraBusyError
 from app.painting import LiveWish
 from app.views.choice import Choice
 from app.workers.avatar_loop import Painted
+from core.camera import camera_for
 from core.generations import ProfileDamagedError
 from core.records import FaceState, Frame, Progress
 
@@ -60,14 +62,28 @@ class FakeTracker:
     def __init__(self, toolbox, mode):
         self.toolbox, self.mode, self.resets = toolbox, mode, 0
 
+    @property
+    def camera(self):
+        return camera_for((64, 48), 64.0)
+
     def step(self, frame):
         if self.toolbox.tracker_error is not None:
             raise self.toolbox.tracker_error
         mode = "free" if self.toolbox.stranger else self.mode
-        return make_state(frame.time_s, self.toolbox.lost, self.toolbox.confidence, mode)
+        state = make_state(frame.time_s, self.toolbox.lost, self.toolbox.confidence, mode)
+        # The landmarks tell from which frame they are.
+        places = np.full((75, 2), 20.0) + [frame.index % 1000 / 50, 0]
+        return replace(state, landmarks_px=places)
 
     def reset(self):
         self.resets += 1
+
+
+class FakeMesh:
+    """One line across the picture."""
+
+    def lines_px(self, state, camera):
+        return np.array([[4.0, 40.0, 60.0, 40.0]])
 
 
 class FakeRenderThread:
@@ -141,6 +157,10 @@ class FakeToolbox:
         assert threading.current_thread() is not threading.main_thread()
         self.ready.wait(10)
         return Performer(FakeTracker(self, "free"), None, lambda: self.learned)
+
+    def face_mesh(self, user):
+        assert threading.current_thread() is not threading.main_thread()
+        return FakeMesh()
 
     def name_trouble(self, name):
         return "this name has a '?' in it" if "?" in name else ""

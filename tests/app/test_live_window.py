@@ -1,4 +1,5 @@
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -47,6 +48,10 @@ def live(qtbot):
         assert not any(thread.isRunning() for thread in threads)
         if isinstance(toolbox, FakeToolbox):
             assert not toolbox.open_now and not toolbox.render_threads
+
+
+def somebody():
+    return SimpleNamespace(rest_wxyz=np.array([1.0, 0, 0, 0]))
 
 
 def shown_level(pane):
@@ -135,10 +140,10 @@ def test_the_avatar_takes_on_the_head_that_was_learned_meanwhile_and_only_once(l
     window = live(toolbox)
     qtbot.waitUntil(lambda: window.avatar_pane.has_picture)
     assert {wish.cast.user for wish in toolbox.wishes} == {None}
-    toolbox.learned = learned = object()
+    toolbox.learned = learned = somebody()
     qtbot.waitUntil(lambda: toolbox.wishes[-1].cast.user is learned)
     cast = toolbox.wishes[-1].cast
-    toolbox.learned = object()
+    toolbox.learned = somebody()
     qtbot.wait(600)
     assert toolbox.wishes[-1].cast is cast
 

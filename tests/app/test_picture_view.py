@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 from PySide6.QtGui import QImage
 
-from app.views.picture_view import LOST_COLOR, POINT_COLOR, Overlay, PictureView, image_from_array
+from app.views.layers import LOST_COLOR, POINT_COLOR, Points
+from app.views.picture_view import PictureView, image_from_array
 
 
 @pytest.fixture
@@ -54,7 +55,7 @@ def test_the_picture_keeps_its_shape_and_lies_in_the_middle(view):
 
 
 def test_points_lie_on_the_middle_of_their_pixel_and_are_mirrored_with_the_picture(view):
-    view.show_image(half_bright(), Overlay(np.array([[50.0, 10.0]])))
+    view.show_image(half_bright(), [Points(np.array([[50.0, 10.0]]))])
     # Pixel (50, 10) covers 500 to 510 and, below the surround of 20, 120 to 130.
     assert center_of(close_to(screen(view), POINT_COLOR)) == pytest.approx((504.5, 124.5), abs=0.6)
     view.set_mirrored(True)
@@ -65,7 +66,7 @@ def test_points_lie_on_the_middle_of_their_pixel_and_are_mirrored_with_the_pictu
 
 def test_doubtful_points_and_their_curves_are_drawn_in_the_warning_colour(view):
     points = np.array([[40.0, 10.0], [60.0, 10.0]])
-    view.show_image(half_bright(), Overlay(points, ((0, 1),), certain=False))
+    view.show_image(half_bright(), [Points(points, ((0, 1),), certain=False)])
     pixels = screen(view)
     # A line of one pixel that lies between two rows is drawn half into each.
     assert close_to(pixels, LOST_COLOR, within=130)[122:128, 410:600].any(axis=0).all()
