@@ -76,9 +76,13 @@ def abandoned(now_s: float | None = None) -> list[Path]:
         now_s: On the clock of the files' times.
     """
     now_s = time.time() if now_s is None else now_s
+    return [part for part in unfinished() if now_s - _last_sign_s(part) > SILENT_S]
+
+
+def unfinished() -> list[Path]:
+    """Return all recordings that are not complete, also those that go on."""
     folder = takes_folder()
-    parts = folder.glob(f".*{PART}") if folder.is_dir() else iter(())
-    return [part for part in parts if now_s - _last_sign_s(part) > SILENT_S]
+    return sorted(folder.glob(f".*{PART}")) if folder.is_dir() else []
 
 
 def recover(part: Path) -> Take | None:

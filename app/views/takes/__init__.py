@@ -1,0 +1,1 @@
+"""The panel of the takes: record, list, play, trim; its dialogs."""
