@@ -184,7 +184,7 @@ class Drive:
         if state.lost:
             face = self._presence.unseen(tables.settings.idle, elapsed_s)
         else:
-            face = self._seen_face(state, tables, step_s)
+            face = self._seen_face(state, tables, step_s, elapsed_s)
             face = self._presence.seen(face, tables.settings.idle, elapsed_s)
         self._shown = self._alive(face, tables, state.lost, elapsed_s)
         rotation, place = self._head.placed(self._shown.away)
@@ -209,7 +209,9 @@ class Drive:
         self._head.put(centre)
         self._rest = np.zeros(len(EXPRESSION_NAMES)) if centre is None else centre.expression.copy()
 
-    def _seen_face(self, state: FaceState, tables: _Tables, step_s: float) -> Face:
+    def _seen_face(
+        self, state: FaceState, tables: _Tables, step_s: float, elapsed_s: float
+    ) -> Face:
         """Return a tracked face as the settings make it."""
         settings = tables.settings
         if self._presence.was_lost:
@@ -220,13 +222,13 @@ class Drive:
             state.rotation_wxyz, state.translation_mm, state.expression, state.gaze_rad, step_s
         )
         away = self._head.away(rotation, place)
-        certain = state.confidence > _CERTAIN and step_s > 0
-        self._level(expression, away, settings, step_s if certain else 0.0)
+        certain = state.confidence > _CERTAIN and elapsed_s > 0
+        self._level(expression, away, settings, elapsed_s if certain else 0.0)
         if self._recentre:
             self._recentre = False
             away = self._set_centre(rotation, place, expression)
         elif certain and (settings.centring.head or settings.centring.face):
-            self._follow_rest(away, place, expression, step_s)
+            self._follow_rest(away, place, expression, elapsed_s)
         self._now = without_rest(expression, self._rest)
         if certain:
             self._seen.add(self._now)
@@ -242,7 +244,7 @@ class Drive:
         """Let open lids count as 0 and closed ones as 1, in place."""
         blinks = expression[BLINKS]
         if self._levels is None and step_s and float(np.abs(away[:2]).max()) < _FRONTAL_RAD:
-            self._learned.add(blinks, min(step_s, _LONGEST_STEP_S))
+            self._learned.add(blinks, step_s)
         if settings.eyes.own_levels:
             expression[BLINKS] = self.levels.applied(blinks)
 
