@@ -202,11 +202,11 @@ def renamed(take: Take, name: str) -> Take:
         TakeError: The name is taken, or is none.
     """
     trouble = name_trouble(name)
-    target = take.folder.with_name(name)
-    if not trouble and target.exists() and name != take.name:
+    if not trouble and name != take.name and (take.folder.parent / name).exists():
         trouble = f"there is a take {name!r} already: choose another name"
     if trouble:
         raise TakeError(trouble)
+    target = take.folder.parent / name
     try:
         take.folder.rename(target)
         write_facts(target, take.facts)
