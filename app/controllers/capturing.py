@@ -82,7 +82,7 @@ class CaptureController(QObject):
         self._timer.start(TARGET_EVERY_MS)
         self._ask_next()
         cameras = self._tools.cameras()
-        self.play(source or self._source or (cameras[0].key if cameras else ""))
+        self.play(source or (cameras[0].key if cameras else ""))
 
     def stop(self) -> None:
         """Close the source and end all threads; what was taken is already kept."""
@@ -113,6 +113,11 @@ class CaptureController(QObject):
         self._timer.timeout.connect(self._animate)
 
     # -- prompts -------------------------------------------------------------------------
+
+    @property
+    def source(self) -> str:
+        """Key of the source that is looked through, "" without one."""
+        return self._source
 
     @property
     def shot(self) -> Shot | None:

@@ -1,14 +1,21 @@
 """What the guided setup needs of the rest of the program, in one place."""
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 
+from app.capture.choose import camera_number
+from app.capture.holding import Held
+from app.capture.patient import PatientCamera
 from app.capture.source import FrameSource
+from app.capture.webcam import CameraEntry, WebcamSource
 from app.controllers.toolbox import Toolbox
 from app.models import Looking, free_tracker, load_aligner
 from app.performer.prompted import PromptedPerformer
 from app.profiles import data_folder, profile_folder
+from app.setup_memory import SetupChoices, load_choices, save_choices
 from app.setup_steps import rivals
 from app.shelf import Shelf
 from app.views.choice import Choice
@@ -34,6 +41,7 @@ class SetupTools(Toolbox):
         self._by_clock = by_clock
         self._performer: PromptedPerformer | None = None
         self._prompt = ""
+        self._held: dict[str, tuple[Held, ...]] = {}
 
     def performances(self) -> list[Choice]:
         """Return the performers that can stand in for a camera."""
@@ -41,6 +49,9 @@ class SetupTools(Toolbox):
 
     def open_source(self, key: str, began_again: Callable[[], None]) -> FrameSource:
         """Open a source; called in a background thread."""
+        number = camera_number(key)
+        if number is not None:
+            return PatientCamera(number, open_camera=partial(self._open_held, key))
         if key != PROMPTED:
             return super().open_source(key, began_again)
         performer = PromptedPerformer(by_clock=self._by_clock)
@@ -48,6 +59,28 @@ class SetupTools(Toolbox):
             performer.follow(self._prompt)
         self._performer = performer
         return performer
+
+    def open_preview(self, key: str) -> FrameSource:
+        """Open a source; one that is lost later tells so. Called in a background thread."""
+        number = camera_number(key)
+        if number is not None:
+            return WebcamSource(number)
+        return self.open_source(key, lambda: None)
+
+    def keep_held(self, key: str, held: Sequence[Held]) -> None:
+        """Hold a camera so whenever it is opened again for the setup."""
+        self._held[key] = tuple(held)
+
+    def _open_held(self, key: str, entry: CameraEntry) -> FrameSource:
+        return WebcamSource(entry.index, cameras=[entry], held=self._held.get(key, ()))
+
+    def choices(self) -> SetupChoices:
+        """Return what the user chose the last time."""
+        return load_choices(_choices_path())
+
+    def keep_choices(self, choices: SetupChoices) -> None:
+        """Remember what the user has chosen."""
+        save_choices(_choices_path(), choices)
 
     def prompt(self, name: str) -> None:
         """Let a performer who stands in for a camera know what is asked for."""
@@ -88,3 +121,7 @@ class SetupTools(Toolbox):
         """Train a book's profile."""
         profile = yield from book.train(self.models().face_model, np.random.default_rng(1))
         return f"Trained with {len(profile.names)} pictures."
+
+
+def _choices_path() -> Path:
+    return data_folder() / "settings" / "setup.json"

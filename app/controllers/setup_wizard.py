@@ -1,16 +1,19 @@
 """The guided setup at work: which step may be visited, and what each needs."""
 
 from collections.abc import Generator
+from dataclasses import replace
 from typing import Protocol
 
 from PySide6.QtCore import QObject, Signal
 
-from app.controllers import capture_tools, shelving
+from app.controllers import camera_check, capture_tools, shelving
+from app.controllers.camera_check import CameraController
 from app.controllers.capturing import CaptureController
 from app.controllers.editing import EditorController
 from app.controllers.shelving import ShelfController
 from app.controllers.training import TrainingController
 from app.errors import AppError
+from app.setup_memory import SetupChoices
 from app.views.editor.editor_window import EditorWindow
 from app.views.notice import Notice
 from app.views.setup.setup_window import STEPS, SetupWindow
@@ -29,8 +32,16 @@ DELETED = (
 )
 
 
-class Tools(capture_tools.Tools, shelving.Tools, Protocol):
+class Tools(capture_tools.Tools, camera_check.Tools, shelving.Tools, Protocol):
     """What is needed of the toolbox."""
+
+    def choices(self) -> SetupChoices:
+        """Return what the user chose the last time."""
+        ...
+
+    def keep_choices(self, choices: SetupChoices) -> None:
+        """Remember what the user has chosen."""
+        ...
 
     def open_book(self, name: str) -> Workbook:
         """Open the pictures of a profile, which need not be there."""
@@ -61,10 +72,12 @@ class SetupController(QObject):
         super().__init__(window)
         self._window, self._tools, self._source = window, tools, source
         self._book: Workbook | None = None
-        self._step, self._fitting = "start", ""
+        self._step, self._camera_seen = "start", False
+        self._choices = tools.choices()
         self._editor: EditorController | None = None
         self._job: Job | None = None
         self.shelving = ShelfController(window.start, tools, self._release, self)
+        self.camera = CameraController(window.camera, tools, self)
         self.capturing = CaptureController(window.capture, tools, self)
         self.training = TrainingController(window.train, tools.train, self)
         self._connect()
@@ -122,6 +135,7 @@ class SetupController(QObject):
         window.start.chosen.connect(self._open)
         self.shelving.copied.connect(self._open)
         self.shelving.failed.connect(window.message_bar.tell)
+        self.camera.changed.connect(self._on_camera)
         self.capturing.changed.connect(self._unlock)
         self.training.trained.connect(self._unlock)
         self.training.picture_wanted.connect(lambda name: self.show("check", name))
@@ -137,7 +151,8 @@ class SetupController(QObject):
             DELETED.format(name=name) if self._book.pictures_deleted else ""
         )
         self._window.setWindowTitle(f"{name} – setup – facepuppet")
-        self.show("capture")
+        # Who goes on has chosen a camera before; new people are to see theirs first.
+        self.show("capture" if self._book.names else "camera")
 
     def _release(self, name: str) -> None:
         """End all work on a profile of which something is about to be deleted."""
@@ -148,8 +163,10 @@ class SetupController(QObject):
             self._unlock()
 
     def _enter(self, book: Workbook, picture: str) -> None:
-        if self._step == "capture":
-            self.capturing.start(book, self._source)
+        if self._step == "camera":
+            self.camera.start(self._source or self._usual_camera(), self._choices.hold)
+        elif self._step == "capture":
+            self.capturing.start(book, self._source or self._usual_camera())
         elif self._step == "check":
             self._fit(book, picture)
         elif self._step == "train":
@@ -157,8 +174,12 @@ class SetupController(QObject):
 
     def _leave(self) -> None:
         """End what the step shown is doing, except a training."""
-        if self._step == "capture":
+        if self._step == "camera":
+            self._keep_camera()
+            self.camera.stop()
+        elif self._step == "capture":
             self.capturing.stop()
+            self._source = self.capturing.source or self._source
         elif self._step == "check":
             self._end_job()
             if self._editor is not None:
@@ -172,8 +193,10 @@ class SetupController(QObject):
 
     def _unlocked(self) -> dict[str, bool]:
         enough = self._book is not None and self._book.n_usable >= LEAST_PICTURES
+        there = self._book is not None
+        seen = self._camera_seen or bool(self._book is not None and self._book.names)
         return {
-            "start": True, "capture": self._book is not None, "check": enough,
+            "start": True, "camera": there, "capture": there and seen, "check": enough,
             "train": enough or (self._book is not None and self._book.profile is not None),
         }  # fmt: skip
 
@@ -182,11 +205,33 @@ class SetupController(QObject):
         self._window.show_unlocked(unlocked)
         keys = list(STEPS)
         place = keys.index(self._step) + 1
-        self._window.next_button.setEnabled(place < len(keys) and unlocked[keys[place]])
+        waits = self._step == "camera" and not self.camera.ready
+        possible = place < len(keys) and unlocked[keys[place]] and not waits
+        self._window.next_button.setEnabled(possible)
 
     def _on_live(self) -> None:
         if self._book is not None:
             self.live_wanted.emit(self._book.folder.name)
+
+    # -- camera --------------------------------------------------------------------------
+
+    def _usual_camera(self) -> str:
+        """Return the key of the camera that was used the last time, if it is there."""
+        cameras = self._tools.cameras()
+        same = [camera.key for camera in cameras if camera.text == self._choices.camera]
+        return same[0] if same else ""
+
+    def _on_camera(self) -> None:
+        self._camera_seen = self._camera_seen or self.camera.ready
+        self._unlock()
+
+    def _keep_camera(self) -> None:
+        """Go on with the camera that was chosen, and remember it."""
+        self._source = self.camera.chosen or self._source
+        names = {camera.key: camera.text for camera in self._tools.cameras()}
+        name = names.get(self._source, self._choices.camera)
+        self._choices = replace(self._choices, camera=name, hold=self.camera.hold_wanted)
+        self._tools.keep_choices(self._choices)
 
     # -- landmarks -----------------------------------------------------------------------
 

@@ -5,14 +5,18 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from app.capture.holding import Held, knobs
 from app.controllers import capture_tools
 from app.controllers.setup_wizard import SetupController
+from app.errors import CameraLostError, NoCameraError
+from app.setup_memory import SetupChoices
 from app.shelf import Shelf
+from app.views.choice import Choice
 from app.views.setup.setup_window import SetupWindow
 from app.workbook import Workbook, first_fit
 from core.capture_judge import Judgement, Taken
 from core.landmark_refit import Refitter
-from core.records import Progress
+from core.records import Frame, Progress
 from core.setup_plan import SHOTS
 from core.shot_match import Match
 from core.shutter import ShutterState
@@ -54,12 +58,71 @@ class FakeCaptureTracker:
         pass
 
 
+class FakeCamera:
+    """A source whose pictures show something, and that may be unplugged."""
+
+    def __init__(self, source):
+        self.source, self.unplugged = source, False
+        self.name, self.size_px, self.fps, self.live = "fake", (64, 48), 250.0, True
+        self.holds = []
+        source.toolbox.cameras_open[source.key] = self
+
+    def read(self):
+        frame = self.source.read()
+        if self.unplugged:
+            raise CameraLostError(self.name, frame.index)
+        gray = frame.gray + (np.arange(64, dtype=np.uint8) % 16)
+        rgb = np.repeat(gray[..., None], 3, axis=2)
+        return Frame(rgb, gray, frame.time_s, frame.index)
+
+    def hold(self):
+        self.holds.append("hold")
+        knobs_here = knobs("linux")
+        return tuple(Held(knob, knob.name != "focus", 1.0, 1.0) for knob in knobs_here)
+
+    def let_go(self):
+        self.holds.append("let go")
+
+    def close(self):
+        self.source.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+
 class FakeTools(FakeToolbox):
     def __init__(self, root, landmarks, cameras=(CAMERA,)):
         super().__init__(cameras)
         self.root, self.landmarks = root, landmarks
         self.obeys, self.turn_deg, self.advice, self.quality = False, (0.0, 0.0, 0.0), "", {}
         self.prompted, self.trained_with = [], []
+        self.chosen, self.held = SetupChoices(), {}
+        self.names, self.flat, self.cameras_open = {}, set(), {}
+
+    def cameras(self):
+        known = super().cameras()
+        return [Choice(one.key, self.names.get(one.key, one.text)) for one in known]
+
+    def open_source(self, key, began_again=None):
+        source = super().open_source(key, began_again)
+        return source if key in self.flat else FakeCamera(source)
+
+    def open_preview(self, key):
+        if key.startswith("camera") and key not in self.camera_keys:
+            raise NoCameraError(int(key[-1]), [])
+        return self.open_source(key)
+
+    def keep_held(self, key, held):
+        self.held[key] = held
+
+    def choices(self):
+        return self.chosen
+
+    def keep_choices(self, choices):
+        self.chosen = choices
 
     def prompt(self, name):
         self.prompted.append(name)
@@ -99,8 +162,12 @@ def open_setup(qtbot, root, people, monkeypatch, cameras=(CAMERA,)):
 
 
 def begin(qtbot, setup, name="me"):
+    """Go from the first page to that of the pictures, by way of the camera if need be."""
     setup.window.start.name.setText(name)
     setup.window.start.begin_button.click()
+    if setup.controller.step == "camera":
+        qtbot.waitUntil(setup.window.next_button.isEnabled, timeout=5000)
+        setup.window.next_button.click()
     page = setup.window.capture
     qtbot.waitUntil(lambda: page.live._image is not None, timeout=5000)
     return page

@@ -16,14 +16,15 @@ from PySide6.QtWidgets import (
 )
 
 from app.views.message_bar import MessageBar
+from app.views.setup.camera_page import CameraPage
 from app.views.setup.capture_page import CapturePage
 from app.views.setup.start_page import StartPage
 from app.views.setup.train_page import TrainPage
 
 #: The steps in their order: key, what people read.
 STEPS = {
-    "start": "1  Profile", "capture": "2  Pictures", "check": "3  Landmarks",
-    "train": "4  Training",
+    "start": "1  Profile", "camera": "2  Camera", "capture": "3  Pictures",
+    "check": "4  Landmarks", "train": "5  Training",
 }  # fmt: skip
 
 
@@ -38,7 +39,8 @@ class SetupWindow(QMainWindow):
         self.setWindowTitle("Setup – facepuppet")
         self.steps, self.pages = QListWidget(), QStackedWidget()
         self.steps.setAccessibleName("Steps of the setup")
-        self.start, self.capture, self.train = StartPage(), CapturePage(), TrainPage()
+        self.start, self.camera = StartPage(), CameraPage()
+        self.capture, self.train = CapturePage(), TrainPage()
         self.check = QWidget()
         QVBoxLayout(self.check).setContentsMargins(0, 0, 0, 0)
         self.message_bar = MessageBar()
@@ -56,7 +58,7 @@ class SetupWindow(QMainWindow):
         self.steps.setCurrentRow(row)
         self.steps.blockSignals(False)
         self.pages.setCurrentIndex(row)
-        self.next_button.setVisible(key in ("capture", "check"))
+        self.next_button.setVisible(key in ("camera", "capture", "check"))
 
     def show_unlocked(self, unlocked: Mapping[str, bool]) -> None:
         """Say which steps can be visited."""
@@ -88,7 +90,7 @@ class SetupWindow(QMainWindow):
             QListWidgetItem(text, self.steps)
         self.steps.setFixedWidth(16 * self.fontMetrics().averageCharWidth())
         self.steps.currentRowChanged.connect(self._on_row)
-        for page in (self.start, self.capture, self.check, self.train):
+        for page in (self.start, self.camera, self.capture, self.check, self.train):
             self.pages.addWidget(page)
         side = QVBoxLayout()
         side.addWidget(self.steps, stretch=1)
