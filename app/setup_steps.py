@@ -1,6 +1,6 @@
 """The steps from a source of setup pictures to a profile, as generators for terminal and window."""
 
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
@@ -13,13 +13,15 @@ from app.errors import SeveralFacesError, TooFewPicturesError
 from app.profiles import encoded_pictures
 from core.alignment import Alignment
 from core.arkit import EXPRESSION_NAMES
-from core.blind_pictures import prompt_of
+from core.blind_pictures import prompt_of, rows_of_shapes
 from core.errors import NoFaceError
 from core.face_model import FaceModel
 from core.face_regions import FaceBox
 from core.frame_selection import Candidate, candidate, choose
+from core.free_comparison import free_report
+from core.held_out import HeldOutSettings, Measured
 from core.landmarks import N_LANDMARKS
-from core.pipeline import LEAST_PICTURES, build
+from core.pipeline import LEAST_PICTURES, Built, build
 from core.records import U8, Frame, Landmarks2D, Progress, SetupImages
 from core.setup_plan import standard_for
 from core.store import Profile, save
@@ -56,11 +58,14 @@ class Pictures:
         images: N pictures.
         landmarks: Theirs; confidence 0 where no face was found.
         notes: What the user should know about the pictures.
+        automatic: The landmarks as the aligner found them, before any correction; nothing where
+            none was corrected.
     """
 
     images: SetupImages
     landmarks: tuple[Landmarks2D, ...]
     notes: tuple[str, ...]
+    automatic: tuple[Landmarks2D, ...] = ()
 
 
 def collect(source: Path, aligner: Aligner) -> Generator[Progress, None, Pictures]:
@@ -167,11 +172,25 @@ def make_profile(
     """Return a profile made from pictures, and the pictures that went into it."""
     built = yield from build(model, pictures.images, pictures.landmarks, focal_px, rng)
     images = built.images
+    free = yield from _without_training(model, built, pictures)
     profile = Profile(
         images.names, images.standard, built.landmarks, built.camera, built.fit, built.user,
-        built.shapes, built.regressor, built.report, built.eyes,
+        built.shapes, built.regressor, built.report | {"free": free}, built.eyes,
     )  # fmt: skip
     return profile, images
+
+
+def _without_training(
+    model: FaceModel, built: Built, pictures: Pictures
+) -> Generator[Progress, None, dict[str, object]]:
+    """Return how the training-free mode does on the pictures that were tested."""
+    report: Mapping[str, Any] = built.report
+    names = tuple(report["picture_names"])
+    found = dict(zip(pictures.images.names, pictures.automatic or pictures.landmarks, strict=True))
+    rows = [built.images.names.index(name) for name in names]
+    measured = Measured(names, (), built.camera, rows_of_shapes(built.shapes, rows))
+    every = HeldOutSettings().every
+    return (yield from free_report(model, measured, [found[name] for name in names], every))
 
 
 def keep(folder: Path, profile: Profile, images: SetupImages, **facts: Any) -> Profile:

@@ -4,14 +4,16 @@ from collections.abc import Callable, Generator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from app.profiles import decoded, encoded, load_setup_images, pictures_kept
+from app.resizing import at_size, thumbnail, toned
 from app.setup_steps import Pictures, keep, make_profile
 from core.blendshapes import user_blendshapes
+from core.blind_pictures import rows_of_fit
 from core.camera import camera_for
 from core.draft import Draft, DraftPicture
+from core.extra_shots import as_seen
 from core.face_model import FaceModel
 from core.generations import HEADER_NAME
 from core.landmark_edit import points_of
@@ -27,8 +29,10 @@ from core.records import (
     SetupImages,
     UserBlendshapes,
 )
-from core.setup_plan import SHOTS, standard_for
+from core.setup_plan import SHOTS, shot_of, standard_for
 from core.store import Profile, load
+
+__all__ = ["Workbook", "first_fit", "thumbnail", "toned"]
 
 #: Focal length of usual webcams over the width of their pictures.
 FIRST_FOCAL = 0.95
@@ -60,6 +64,7 @@ class Workbook:
             self._open(load(folder))
         for name in self._draft.names():
             self._add_draft(name)
+        self._out = set(self._draft.taken_out()) & set(self._landmarks)
 
     def _open(self, profile: Profile) -> None:
         self.profile = profile
@@ -90,15 +95,28 @@ class Workbook:
         return (*prompts, *(name for name in self._landmarks if name not in prompts))
 
     @property
+    def taken_out(self) -> frozenset[str]:
+        """The pictures that the next training leaves out; it drops them for good."""
+        return frozenset(self._out)
+
+    @property
+    def used_names(self) -> tuple[str, ...]:
+        """The pictures of the next training."""
+        return tuple(name for name in self.names if name not in self._out)
+
+    @property
     def n_usable(self) -> int:
         """How many pictures show a face well enough to be trained on."""
-        marks = self._landmarks.values()
+        marks = [self._landmarks[name] for name in self.used_names]
         return sum(trusted_landmarks(one) >= LEAST_LANDMARKS for one in marks)
 
     @property
     def outdated(self) -> bool:
         """Whether the profile was trained with other pictures or landmarks, or not at all."""
-        return any(not self._is_trained(name) for name in self.names)
+        trained = self.profile.names if self.profile is not None else ()
+        if self._out & set(trained):
+            return True
+        return any(not self._is_trained(name) for name in self.used_names)
 
     def image(self, name: str) -> U8:
         """Return a picture (H, W, 3)."""
@@ -150,18 +168,48 @@ class Workbook:
     def put(
         self, name: str, rgb: U8, landmarks: Landmarks2D, quality: Mapping[str, object]
     ) -> None:
-        """Keep a shot; one of the same name is replaced.
+        """Keep a shot, or a frame from elsewhere; one of the same name is replaced.
+
+        A picture of another size becomes one of the size of the others. Landmarks behind a hand
+        that the prompt asked for count as not seen. Pictures of no prompt, say "live-0001", are
+        trained on without knowing what they were meant to show.
 
         Raises:
             ProfileUnwritableError: It is not kept.
         """
+        rgb, landmarks = at_size(rgb, as_seen(name, landmarks), self._size_px(rgb))
         picture = DraftPicture(landmarks, landmarks, f"{name}.png", quality)
         self._draft.put(name, picture, encoded(rgb))
         self._images[name], self._landmarks[name] = rgb, landmarks
+        self.take_out(name, False)
+
+    def new_name(self, kind: str = "live") -> str:
+        """Return a name for one more picture of a kind: "live-0001" after none."""
+        numbers = [name.removeprefix(f"{kind}-") for name in self._landmarks]
+        last = max((int(one) for one in numbers if one.isdigit()), default=0)
+        return f"{kind}-{last + 1:04d}"
+
+    def take_out(self, name: str, out: bool = True) -> None:
+        """Leave a picture out of the next training, which then drops it, or use it after all.
+
+        Raises:
+            ProfileUnwritableError: Nothing has changed.
+        """
+        if name in self._landmarks and (name in self._out) != out:
+            self._draft.take_out(name, out)
+            self._out ^= {name}
+
+    def _size_px(self, rgb: U8) -> tuple[int, int]:
+        """Return the size of all pictures; it is that of the first."""
+        if self.profile is not None:
+            return self.profile.camera.size_px
+        first = next(iter(self._images.values()), rgb)
+        return first.shape[1], first.shape[0]
 
     def remove(self, name: str) -> None:
         """Drop a shot that no training has seen, if there is one."""
         if self.profile is None or self.pictures_deleted or name not in self.profile.names:
+            self.take_out(name, False)
             self._draft.remove(name)
             self._images.pop(name, None)
             self._landmarks.pop(name, None)
@@ -180,17 +228,21 @@ class Workbook:
         Raises:
             CoreError: The profile is as it was.
         """
-        names = self.names
+        steps = make_profile(model, self._pictures(), self._given_focal_px(), rng)
+        profile, used = yield from steps
+        kept = keep(self.folder, profile, used, **history(self.profile))
+        self._draft.clear()
+        self._out.clear()
+        self._open(kept)
+        return kept
+
+    def _pictures(self) -> Pictures:
+        """Return what the next training is made from."""
+        names = self.used_names
         standard = np.stack([self.standard(name) for name in names])
         images = SetupImages(tuple(self._images[name] for name in names), names, standard)
-        pictures = Pictures(images, tuple(self._landmarks[name] for name in names), ())
-        profile, used = yield from make_profile(model, pictures, self._given_focal_px(), rng)
-        self._open_kept(keep(self.folder, profile, used))
-        return profile
-
-    def _open_kept(self, profile: Profile) -> None:
-        self._draft.clear()
-        self._open(profile)
+        marks = tuple(self._landmarks[name] for name in names)
+        return Pictures(images, marks, (), tuple(self.automatic(name) for name in names))
 
     def _given_focal_px(self) -> float | None:
         if self.profile is None or self.profile.report.get("focal_source") != "given":
@@ -220,32 +272,34 @@ def first_fit(
     """
     if book.profile is not None:
         return book.profile.camera, book.profile.user
-    standard = np.stack([book.standard(name) for name in book.names])
-    images = SetupImages(tuple(book.image(name) for name in book.names), book.names, standard)
-    marks = [book.landmarks(name) for name in book.names]
-    images, usable, sorting = usable_pictures(images, marks)
+    given = book.used_names
+    standard = np.stack([book.standard(name) for name in given])
+    images = SetupImages(tuple(book.image(name) for name in given), given, standard)
+    images, usable, sorting = usable_pictures(images, [book.landmarks(name) for name in given])
     height, width = images.images[0].shape[:2]
     camera = camera_for((width, height), FIRST_FOCAL * width)
     fit = yield from fit_model(model, camera, usable, FitSettings(), images.standard)
     user = user_blendshapes(model, fit)
-    prompts = {shot.name: shot for shot in SHOTS}
-    fitted = [prompts[name] for name in images.names]
-    for name in (book.names[n] for n in sorting.guessed):
-        guess = guess_landmarks(model, user, camera, prompts[name], fitted, fit)
-        book.suggest(name, placed_kept(guess, book.landmarks(name)))
+    shots = [shot_of(name) for name in images.names]
+    rows = [row for row, shot in enumerate(shots) if shot is not None]
+    fitted = [shot for shot in shots if shot is not None]
+    for name in (given[n] for n in sorting.guessed):
+        shot = shot_of(name)
+        if shot is not None:
+            guess = guess_landmarks(model, user, camera, shot, fitted, rows_of_fit(fit, rows))
+            book.suggest(name, placed_kept(guess, book.landmarks(name)))
     return camera, user
 
 
-def thumbnail(rgb: U8, width: int) -> U8:
-    """Return a small copy of a picture."""
-    height = round(width * rgb.shape[0] / rgb.shape[1])
-    return np.asarray(cv2.resize(rgb, (width, height), interpolation=cv2.INTER_AREA), np.uint8)
+def history(before: Profile | None) -> dict[str, object]:
+    """Return what a new report keeps of the training before: its report, without what was before.
 
-
-def toned(rgb: U8, brightness: int, contrast: int) -> U8:
-    """Return a picture as shown at a brightness and contrast of -100 to 100."""
-    gain = 2.0 ** (contrast / 50)
-    return np.asarray(cv2.convertScaleAbs(rgb, None, gain, 128 * (1 - gain) + brightness), np.uint8)
+    Args:
+        before: The profile that is replaced, None for the first one.
+    """
+    if before is None:
+        return {}
+    return {"previous": {key: value for key, value in before.report.items() if key != "previous"}}
 
 
 def _same(one: Landmarks2D, other: Landmarks2D) -> bool:

@@ -123,7 +123,7 @@ def with_guesses(
     # Picture, row of the fit and prompt of what guesses start from.
     order = {n: row for row, n in enumerate(np.flatnonzero(seen).tolist())}
     anchors = [(n, row, shot) for n, row in order.items() if (shot := prompts[n]) is not None]
-    known = _rows_of_fit(fitted.fit, [row for _, row, _ in anchors])
+    known = rows_of_fit(fitted.fit, [row for _, row, _ in anchors])
     shots = [shot for _, _, shot in anchors]
     rows = []
     for n, shot in enumerate(prompts):
@@ -168,19 +168,25 @@ def _guess(
 
 
 def _row(placed: Placed, row: int) -> Placed:
-    shapes = placed.shapes
-    one = slice(row, row + 1)
+    one = [row]
     return Placed(
-        placed.landmarks[one],
-        _rows_of_fit(placed.fit, [row]),
-        SetupShapes(
-            shapes.points_mm[one], shapes.rotations_wxyz[one], shapes.translations_mm[one],
-            shapes.coefficients[one], shapes.rms_px[one],
-        ),
+        placed.landmarks[row : row + 1],
+        rows_of_fit(placed.fit, one),
+        rows_of_shapes(placed.shapes, one),
+    )
+
+
+def rows_of_shapes(shapes: SetupShapes, rows: Sequence[int]) -> SetupShapes:
+    """Return the shapes of some of the pictures."""
+    chosen = list(rows)
+    return SetupShapes(
+        shapes.points_mm[chosen], shapes.rotations_wxyz[chosen], shapes.translations_mm[chosen],
+        shapes.coefficients[chosen], shapes.rms_px[chosen],
     )  # fmt: skip
 
 
-def _rows_of_fit(fit: ModelFit, rows: Sequence[int]) -> ModelFit:
+def rows_of_fit(fit: ModelFit, rows: Sequence[int]) -> ModelFit:
+    """Return the fit of some of its pictures."""
     chosen = list(rows)
     return replace(
         fit,

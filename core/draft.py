@@ -2,6 +2,7 @@
 
     draft/NAME.npz    landmarks of a picture, the aligner's own ones, and how good the picture is
     draft/NAME.png    the picture, where the profile itself does not hold it
+    draft/NAME.out    there while the picture is to be left out of the next training
 
 A file is complete or not there, and a picture counts from the moment its .npz is there. So nothing
 is lost when the program ends at any moment, and a damaged file costs one picture.
@@ -29,7 +30,7 @@ from core.generations import (
 )
 from core.records import Landmarks2D
 
-_ARRAYS, _FRESH = ".npz", ".new"
+_ARRAYS, _FRESH, _OUT = ".npz", ".new", ".out"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,6 +111,24 @@ class Draft:
         except OSError as error:
             raise ProfileUnwritableError(self._profile, reason_of(error)) from None
 
+    def taken_out(self) -> list[str]:
+        """Return the names of pictures that are to be left out, in alphabetical order."""
+        return sorted(path.name.removesuffix(_OUT) for path in self._folder.glob(f"*{_OUT}"))
+
+    def take_out(self, name: str, out: bool = True) -> None:
+        """Say that a picture is to be left out of the next training, or not any more.
+
+        Raises:
+            ProfileUnwritableError: Nothing has changed.
+        """
+        try:
+            if out:
+                self._replace(name + _OUT, b"")
+            else:
+                (self._folder / (name + _OUT)).unlink(missing_ok=True)
+        except OSError as error:
+            raise ProfileUnwritableError(self._profile, reason_of(error)) from None
+
     def remove(self, name: str) -> None:
         """Drop a picture, if there is one."""
         kept = self.get(name)
@@ -121,6 +140,8 @@ class Draft:
         """Drop everything: a new generation holds it."""
         for name in self.names():
             self.remove(name)
+        for name in self.taken_out():
+            (self._folder / (name + _OUT)).unlink(missing_ok=True)
 
     def _replace(self, name: str, content: bytes) -> None:
         """Write a file of the draft in one step."""

@@ -100,3 +100,17 @@ def test_what_is_removed_leaves_no_files(tmp_path, picture):
 def test_a_folder_with_nothing_but_a_draft_may_become_a_profile(tmp_path, picture):
     Draft(tmp_path).put("smile", picture, b"a picture")
     check_target(tmp_path)
+
+
+def test_a_picture_can_be_marked_as_left_out(tmp_path):
+    draft = Draft(tmp_path)
+    assert draft.taken_out() == []
+    draft.take_out("smile_yaw+0")
+    draft.take_out("glasses~smile_yaw+0")
+    assert Draft(tmp_path).taken_out() == ["glasses~smile_yaw+0", "smile_yaw+0"]
+    assert draft.names() == []
+    draft.take_out("smile_yaw+0", False)
+    draft.take_out("never", False)
+    assert draft.taken_out() == ["glasses~smile_yaw+0"]
+    draft.clear()
+    assert draft.taken_out() == []
