@@ -12,6 +12,9 @@ app.controllers.live.
 from app.controllers.arranging import Arranging
 from app.controllers.helping import attach_help
 from app.controllers.live import LiveController
+from app.controllers.looking import Looking
+from app.controllers.playback import Playback
+from app.controllers.takes import TakesController
 from app.controllers.tools import Tools
 from app.views.live_window import LiveWindow
 
@@ -36,3 +39,6 @@ def attach_panels(controller: LiveController, window: LiveWindow, tools: Tools) 
         tools: What the features need of the rest of the program.
     """
     attach_help(window)
+    Looking(controller, window)
+    Playback(controller, window)
+    TakesController(controller, window)

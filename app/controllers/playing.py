@@ -54,11 +54,16 @@ class PlayingDesk(QObject):
         """The take that is played, None without one."""
         return self._take
 
+    @property
+    def playing(self) -> bool:
+        """Whether the take goes on; else it stays at a frame."""
+        return self._playing
+
     def play(self, take: Take) -> None:
         """Play a take from where its trim begins; the source is given back."""
         self._end()
         self._controller.player.play(None)
-        self._take = take
+        self._take, self._now_s, self._playing = take, take.range_s[0], True
         playback = Playback(take, self._show, self._user_of, self)
         playback.ready.connect(self._controller.scene.enter)
         playback.posted.connect(self._on_posted)

@@ -25,16 +25,21 @@ class TakeShelf(QObject):
         super().__init__(parent)
         self.takes: list[Take] = []
         self._job: Job | None = None
-        self._again = False
+        self._again, self._stopped = False, False
+
+    @property
+    def busy(self) -> bool:
+        """Whether the list is being read."""
+        return self._job is not None
 
     def named(self, name: str) -> Take | None:
         """Return a take by its name, None if there is none."""
         return next((take for take in self.takes if take.name == name), None)
 
     def refresh(self) -> None:
-        """Read the list anew; `changed` tells when that is done."""
+        """Read the list anew; `changed` tells when that is done. After `stop` nothing is read."""
         self._again = self._job is not None
-        if self._job is None:
+        if self._job is None and not self._stopped:
             self._job = Job(read_all(), self)
             self._job.returned.connect(self._on_read)
             self._job.finished.connect(self._on_finished)
@@ -42,7 +47,7 @@ class TakeShelf(QObject):
 
     def stop(self) -> None:
         """End the reading and wait for that."""
-        self._again = False
+        self._again, self._stopped = False, True
         if self._job is not None:
             self._job.cancel()
             self._on_finished()
