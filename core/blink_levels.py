@@ -52,18 +52,19 @@ def sound_levels(opened: FloatArray, closed: FloatArray) -> BlinkLevels:
     return BlinkLevels(low, np.clip(closed, low + LEAST_SPAN, 1.0))
 
 
-def blink_levels(standard: FloatArray, coefficients: FloatArray) -> BlinkLevels:
-    """Return a user's levels from the setup pictures.
+def blink_levels(standard: FloatArray, coefficients: FloatArray) -> BlinkLevels | None:
+    """Return a user's levels from the setup pictures, None if no picture shows a closed eye.
 
-    Closed is what three of four pictures of closed or squeezed eyes reach, so that each of them is
-    seen as closed; open the middle of the neutral pictures. An eye without such pictures keeps 0
-    or 1.
+    Closed is what three of four pictures of closed or squeezed eyes reach, so that nearly every
+    blink is seen as one; open the middle of the neutral pictures. What has no pictures is 0 or 1.
 
     Args:
         standard: (N, B) coefficients that were asked for, NaN rows where none were.
         coefficients: (N, B) as tracked in the pictures.
     """
     neutral = (standard == 0).all(axis=1)
+    if not (standard[:, BLINKS] >= _CLOSED).any():
+        return None
     opened, closed = np.zeros(2), np.ones(2)
     for eye, index in enumerate(BLINKS):
         shut = standard[:, index] >= _CLOSED

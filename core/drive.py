@@ -180,12 +180,13 @@ class Drive:
         tables = self._tables
         step_s = state.time_s - self._time_s
         self._time_s = state.time_s
-        elapsed_s = min(max(step_s, 0.0), _LONGEST_STEP_S)
+        elapsed_s = min(max(step_s, 0.0), _LONGEST_STEP_S) if np.isfinite(step_s) else 0.0
         if state.lost:
             face = self._presence.unseen(tables.settings.idle, elapsed_s)
         else:
             face = self._seen_face(state, tables, step_s, elapsed_s)
-            face = self._presence.seen(face, tables.settings.idle, elapsed_s)
+            # A centre of another day is where the avatar is seen first, for its view to be centred.
+            face = self._presence.seen(face, tables.settings.idle, elapsed_s, self._head.is_set)
         self._shown = self._alive(face, tables, state.lost, elapsed_s)
         rotation, place = self._head.placed(self._shown.away)
         return replace(

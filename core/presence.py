@@ -52,10 +52,19 @@ class Presence:
         self._gap_s = self._gap_left_s = duration_s
         self._gap_is_new = True
 
-    def seen(self, face: Face, settings: IdleSettings, step_s: float) -> Face:
-        """Return a face that is seen without a jump from what was shown before."""
+    def seen(
+        self, face: Face, settings: IdleSettings, step_s: float, from_rest: bool = False
+    ) -> Face:
+        """Return a face that is seen without a jump from what was shown before.
+
+        Args:
+            face: As it is seen.
+            settings: How long a jump is stretched.
+            step_s: Time since the last face.
+            from_rest: Whether the first face of all comes out of rest, too.
+        """
         if self.was_lost:
-            if np.isfinite(self.lost_s):
+            if from_rest or np.isfinite(self.lost_s):
                 least_s = min(_LEAST_BACK_S, settings.back_s)
                 self.bridge(min(max(self.lost_s, least_s), settings.back_s))
             self.lost_s = 0.0

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from app.controllers.acquainting import Acquainting
@@ -14,6 +15,8 @@ from app.errors import AppError
 from core.drive import Drive
 from core.errors import CoreError
 from core.records import UserBlendshapes
+
+UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 class Performing(QObject):
@@ -101,8 +104,10 @@ class Performing(QObject):
         """Take over what is known of a head; of a stranger's it comes with time."""
         self._stranger = performer if performer.user is None else None
         self._overlays.use(performer, performer.user)
-        if performer.user is not None:
-            self._drive.know_usual_rotation(performer.user.rest_wxyz)
+        self._drive.know_levels(performer.levels)
+        # The avatar's view takes off the same: nothing of somebody who is not known.
+        usual = UPRIGHT if performer.user is None else performer.user.rest_wxyz
+        self._drive.know_usual_rotation(usual)
 
     def _on_acquainted(self, performer: Performer, user: UserBlendshapes) -> None:
         """Give the avatar the head of who was seen without a profile, now that it is known."""

@@ -11,6 +11,7 @@ from app.capture.source import FrameSource
 from app.errors import AppError
 from app.workers.job import Job
 from app.workers.live_loop import LiveLoop
+from core.blink_levels import BlinkLevels
 from core.errors import CoreError
 from core.fern_regressor import FernRegressor
 from core.records import FaceState, Frame, Progress, UserBlendshapes
@@ -59,12 +60,14 @@ class Performer:
         user: Of the profile, None without one.
         learned: Asked in the background: who was seen meanwhile, None as long as nobody is known.
         regressor: Of the profile, None without one.
+        levels: Of the user's lids, None where they have to be learned.
     """
 
     tracker: FaceTracker
     user: UserBlendshapes | None
     learned: Callable[[], UserBlendshapes | None] = nobody
     regressor: FernRegressor | None = None
+    levels: BlinkLevels | None = None
 
 
 class Opener(Protocol):

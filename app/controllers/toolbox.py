@@ -28,6 +28,7 @@ from app.setup_steps import Pictures, collect, keep, make_profile
 from app.sources import PERFORMER, open_source
 from app.views.choice import Choice
 from app.workers.avatar_loop import DrawingThread, Painted, painted
+from core.blink_levels import blink_levels
 from core.free_warm_up import warm_up
 from core.generations import check_target
 from core.records import Progress, UserBlendshapes
@@ -92,7 +93,8 @@ class Toolbox:
     def performer(self, profile: Profile) -> Performer:
         """Return what follows the person of a profile, and anybody else without it."""
         tracker = auto_tracker(self.models(), profile)
-        return Performer(tracker, profile.user, regressor=profile.regressor)
+        levels = blink_levels(profile.standard, profile.shapes.coefficients)
+        return Performer(tracker, profile.user, regressor=profile.regressor, levels=levels)
 
     def open_free(self) -> Performer:
         """Make a tracker that needs no profile."""

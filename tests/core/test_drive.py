@@ -104,9 +104,18 @@ def test_a_centre_from_an_earlier_day_is_used_and_full_stays_full():
     drive = Drive(QUIET)
     drive.put_centre(Centre(rotation, np.array([0, 0, 600.0]), face(mouthPucker=0.4)))
     away = {"angles_deg": np.rad2deg([0.2, 0, 0]), "expression": face(mouthPucker=1.0)}
-    last = stay(drive, 0.2, **away)[-1]
-    np.testing.assert_allclose(seen_deg(last), 0, atol=1e-6)
-    assert last.expression[index("mouthPucker")] == pytest.approx(1.0)
+    states = stay(drive, 0.6, **away)
+    np.testing.assert_allclose(seen_deg(states[-1]), 0, atol=1e-6)
+    assert states[-1].expression[index("mouthPucker")] == pytest.approx(1.0)
+
+
+def test_with_a_set_centre_the_first_picture_shows_it_so_that_the_view_is_centred_there():
+    drive = Drive(QUIET)
+    drive.put_centre(Centre(np.array([1.0, 0, 0, 0]), np.array([0, 0, 600.0])))
+    states = stay(drive, 0.6, place_mm=(80, 0, 600))
+    np.testing.assert_allclose(states[0].translation_mm, [0, 0, 600], atol=1e-6)
+    np.testing.assert_allclose(states[-1].translation_mm, [80, 0, 600], atol=1e-6)
+    assert largest_step(states)[1] < 20
 
 
 def test_the_middle_is_how_the_avatars_view_thinks_the_user_usually_looks():

@@ -105,11 +105,9 @@ def test_levels_come_from_the_prompted_pictures():
     np.testing.assert_allclose(levels.applied(np.array([0.12, 0.75])), [0, 1], atol=0.03)
 
 
-def test_pictures_of_no_prompt_leave_the_levels_as_they_are():
-    nothing = np.full((5, N), np.nan)
-    levels = blink_levels(nothing, np.full((5, N), 0.4))
-    np.testing.assert_array_equal(levels.open, plain_levels().open)
-    np.testing.assert_array_equal(levels.closed, plain_levels().closed)
+def test_pictures_of_no_prompt_tell_no_levels():
+    assert blink_levels(np.full((5, N), np.nan), np.full((5, N), 0.4)) is None
+    assert blink_levels(np.zeros((5, N)), np.full((5, N), 0.1)) is None
 
 
 def test_one_squeezed_eye_says_nothing_of_the_other():
