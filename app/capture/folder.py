@@ -23,6 +23,7 @@ class FolderSource(ClosedOnExit):
     """Shows the pictures of a folder in the order of their names."""
 
     live = False
+    skips = True
 
     def __init__(self, path: Path, fps: float = 30.0) -> None:
         """List the pictures and decode the first, whose size is the size of all.
@@ -48,6 +49,10 @@ class FolderSource(ClosedOnExit):
             return None
         index, self._index = self._index, self._index + 1
         return frame_from_bgr(read_bgr(self._files[index]), self.size_px, index / self.fps, index)
+
+    def seek(self, index: int) -> None:
+        """Let the next frame be the one of this number."""
+        self._index = index
 
     def close(self) -> None:
         """Show nothing more."""

@@ -12,6 +12,8 @@ from core.records import U8, Frame
 USUAL_FPS = 30.0
 #: Share of the promised frames that must come for a file to count as whole.
 WHOLE_SHARE = 0.9
+#: Frames that are gone through rather than jumped over.
+GRABBED_AT_MOST = 20
 
 
 class VideoSource(ClosedOnExit):
@@ -22,6 +24,7 @@ class VideoSource(ClosedOnExit):
     """
 
     live = False
+    skips = True
 
     def __init__(self, path: Path) -> None:
         """Open a file and decode its first frame, whose size is the size of all.
@@ -53,6 +56,20 @@ class VideoSource(ClosedOnExit):
         self._index += 1
         self._next = self._decode()
         return frame
+
+    def seek(self, index: int) -> None:
+        """Let the next frame be the one of this number, or None if there is none."""
+        ahead = index - self._index
+        if ahead == 0:
+            return
+        # A short way forwards is decoded: a jump goes back to a key frame first.
+        if self._next is None or not 0 < ahead <= GRABBED_AT_MOST:
+            self._capture.set(cv2.CAP_PROP_POS_FRAMES, index)
+        else:
+            for _ in range(ahead - 1):
+                self._capture.grab()
+        self._index, self._time_s = index, (index - 1) / self.fps
+        self._next = self._decode()
 
     def close(self) -> None:
         """Give the file back."""

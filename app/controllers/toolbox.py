@@ -2,18 +2,18 @@
 
 from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from threading import Lock
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from app.capture.played import Played, Recording
 from app.capture.source import FrameSource
 from app.capture.webcam import list_cameras
 from app.controllers.face_mesh import FaceMesh
 from app.controllers.filming import film_performer
-from app.controllers.looped import Looped
 from app.controllers.player import Performer
 from app.controllers.profile_maker import MadeProfile
 from app.controllers.progress import between
@@ -69,18 +69,17 @@ class Toolbox:
         return profile_names()
 
     def open_source(self, key: str, began_again: Callable[[], None]) -> FrameSource:
-        """Open a source; files are played over and over.
+        """Open a source; files and the performer can be paused, stepped and moved.
 
         Args:
             key: Of a camera or a performance, or the path of a video or a folder.
-            began_again: Called in the reading thread where a file begins once more.
+            began_again: Called in the reading thread where a frame does not follow the one before.
 
         Raises:
             AppError: It cannot be read.
         """
-        if key.startswith(("camera", f"{PERFORMER}:")) and not Path(key).exists():
-            return open_source(key, live=True)
-        return Looped(partial(open_source, key), began_again)
+        source = open_source(key)
+        return source if source.live else Played(cast("Recording", source), began_again)
 
     def open_profile(self, key: str) -> Performer:
         """Load a profile and make the tracker that uses it as long as its person is there.
@@ -116,7 +115,8 @@ class Toolbox:
         """Return the thread that draws avatars; it calls what it is given."""
 
         def make(renderer: Renderer) -> Callable[..., Painted]:
-            return painted(LivePainter(renderer, self.models().face_model, AVATAR_SIZE_PX).draw)
+            painter = LivePainter(renderer, self.models().face_model, AVATAR_SIZE_PX)
+            return painted(painter.draw, lambda: painter.drawn)
 
         return RenderThread(make, done, failed)
 

@@ -48,6 +48,7 @@ class VirtualPerformer(ClosedOnExit):
     """
 
     fps = FPS
+    skips = False
 
     def __init__(self, take: Take, setting: Setting, filming: Filming | None = None) -> None:
         self._take, self._setting = take, setting
@@ -84,6 +85,10 @@ class VirtualPerformer(ClosedOnExit):
         if not self.live and index + 1 < self.n_frames:
             self._ahead = index + 1, self._thread.submit(self._make, index + 1)
         return frame
+
+    def seek(self, index: int) -> None:
+        """Let the next frame be the one of this number, unless the take is live."""
+        self._index = index
 
     def picture(self, index: int) -> Frame:
         """Return a frame out of turn."""

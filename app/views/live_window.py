@@ -11,9 +11,10 @@ Other features add to it, in app.controllers.desk:
 
 from collections.abc import Callable, Sequence
 
-from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QKeyEvent, QPalette
 from PySide6.QtWidgets import (
+    QAbstractButton,
     QCheckBox,
     QHBoxLayout,
     QLabel,
@@ -35,6 +36,7 @@ from app.views.pane import Pane
 from app.views.panels import Panels
 from app.views.picture_pair import PicturePair
 from app.views.status_row import LiveNumbers, StatusRow
+from app.views.transport_row import TransportRow
 
 #: Choices that open a dialog.
 OPEN_FILE = Choice("?file", "Video file…", "Play a video in place of a camera (Ctrl+O)")
@@ -76,6 +78,10 @@ class LiveWindow(QMainWindow):
         self._performer = Choice("", "")
         self._menus = {name: self.menuBar().addMenu(f"&{name}") for name in MENUS}
         self.deeds = LiveActions(self, self._menus)
+        deeds = self.deeds
+        self.transport = TransportRow(
+            (deeds["previous"], deeds["pause"], deeds["next"], deeds["loop"])
+        )
         self.panels = Panels(self, self._menus["View"])
         self._build()
         self._connect()
@@ -182,6 +188,13 @@ class LiveWindow(QMainWindow):
         else:
             self.showNormal()
 
+    def event(self, event: QEvent) -> bool:
+        """Leave the space key, which also pauses, to a button that has the focus."""
+        if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
+            on_button = isinstance(self.focusWidget(), QAbstractButton)
+            event.setAccepted(on_button and event.key() == Qt.Key.Key_Space)
+        return bool(super().event(event))
+
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Leave the full screen with Esc."""
         if event.key() == Qt.Key.Key_Escape and self.deeds.on("full"):
@@ -207,7 +220,6 @@ class LiveWindow(QMainWindow):
         self.new_profile_button.clicked.connect(self.ask_for_profile)
         self.job_row.cancel_wanted.connect(self.cancel_wanted)
         self.mirror_box.toggled.connect(self.source_pane.picture.set_mirrored)
-        self.mirror_box.toggled.connect(self.avatar_pane.picture.set_mirrored)
         deeds = self.deeds
         deeds["open"].triggered.connect(self.ask_for_video)
         deeds["new"].triggered.connect(self.ask_for_profile)
@@ -233,6 +245,7 @@ class LiveWindow(QMainWindow):
         layout.addWidget(self.message_bar)
         layout.addWidget(self.job_row)
         layout.addWidget(self.pair, stretch=1)
+        layout.addWidget(self.transport)
         layout.addWidget(self.hint)
         self._layout = layout
         self.setCentralWidget(center)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from app.controllers.filming import film_performer
-from app.controllers.looped import Looped
 from app.controllers.meter import WARM_UP_FRAMES, Meter
 from app.controllers.progress import STEPS, between, remaining_text
 from app.controllers.toolbox import Toolbox
@@ -17,40 +16,6 @@ from tests.app.live_fakes import make_state
 
 def make_frame(index, time_s=0.0):
     return Frame(np.zeros((4, 4, 3), np.uint8), np.zeros((4, 4), np.uint8), time_s, index)
-
-
-class Recording:
-    """A source of three frames at 10 per second that counts how often it is open."""
-
-    size_px, fps, name, live = (4, 4), 10.0, "clip.mp4", False
-    opened = 0
-
-    def __init__(self, n_frames=3):
-        self.frames = [make_frame(n, n / 10) for n in range(n_frames)]
-        type(self).opened += 1
-
-    def read(self):
-        return self.frames.pop(0) if self.frames else None
-
-    def close(self):
-        type(self).opened -= 1
-
-
-def test_a_loop_goes_on_counting_and_tells_each_turn():
-    Recording.opened, turns = 0, []
-    with Looped(Recording, lambda: turns.append(True)) as source:
-        frames = [source.read() for _ in range(8)]
-        assert Recording.opened == 1
-    assert Recording.opened == 0 and len(turns) == 2
-    assert [frame.index for frame in frames] == list(range(8))
-    np.testing.assert_allclose([frame.time_s for frame in frames], np.arange(8) / 10)
-
-
-def test_a_loop_ends_where_the_recording_has_gone():
-    lengths = [2, 0]
-    source = Looped(lambda: Recording(lengths.pop(0)), lambda: None)
-    assert [source.read() is None for _ in range(3)] == [False, False, True]
-    assert Looped(lambda: Recording(0), lambda: None).read() is None
 
 
 class Clock:
