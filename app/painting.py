@@ -13,7 +13,7 @@ from app.avatars.views import Framing, overlay, portrait
 from app.picture_files import PictureShelf
 from app.render.avatar import Avatar
 from app.render.look import AvatarLook
-from app.render.quality import IN_SOFTWARE, ON_CARD, Ladder, Quality
+from app.render.quality import IN_SOFTWARE, ON_CARD, Drawn, Ladder
 from app.render.renderer import Renderer
 from app.resources import asset
 from core.arkit import EXPRESSION_NAMES
@@ -161,7 +161,9 @@ class LivePainter:
 
     def __init__(self, renderer: Renderer, model: FaceModel, size_px: tuple[int, int]) -> None:
         """Prepare pictures of a size (width, height); avatars are made when first wished for."""
-        self._drawer, self._model, self._size_px = Drawer(renderer), model, size_px
+        self._renderer, self._drawer = renderer, Drawer(renderer)
+        self._model, self._size_px = model, size_px
+        self._asked_samples = 0
         self._ladder = Ladder(IN_SOFTWARE if renderer.software else ON_CARD)
         self._pictures = PictureShelf()
         self._cast: Cast | None = None
@@ -176,8 +178,8 @@ class LivePainter:
         if wish.cast is not self._cast:
             self._enter(wish.cast)
         begun_s = time.perf_counter()
-        quality, asked = self._ladder.quality, wish.look
-        look = asked.changed(samples=min(asked.samples, quality.samples))
+        quality, self._asked_samples = self._ladder.quality, wish.look.samples
+        look = wish.look.changed(samples=min(wish.look.samples, quality.samples))
         framing = self._view.framing(self._avatar, wish.state, look)
         state, behind = wish.state, self._behind(wish)
         drawn = AvatarWish(
@@ -188,9 +190,11 @@ class LivePainter:
         return picture
 
     @property
-    def quality(self) -> Quality:
-        """How well the next picture will be drawn."""
-        return self._ladder.quality
+    def drawn(self) -> Drawn:
+        """How the next picture will be drawn, if as many samples are asked for as for the last."""
+        quality = self._ladder.quality
+        samples = self._renderer.samples(min(self._asked_samples, quality.samples))
+        return Drawn(quality.scale, samples, self._renderer.software)
 
     def _behind(self, wish: LiveWish) -> U8 | None:
         """Return the picture that the background of a wish needs, if it needs one."""

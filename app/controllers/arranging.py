@@ -89,8 +89,6 @@ class Arranging(QObject):
     def _make_avatar_window(self) -> AvatarWindow:
         deeds, made = self._window.deeds, AvatarWindow()
         made.addActions([deeds[key] for key in ("top", "mirror", "bars", "alone")])
-        made.picture.set_mirrored(deeds.on("mirror"))
-        deeds["mirror"].toggled.connect(made.picture.set_mirrored)
         made.show_on_top(deeds.on("top"))
         made.closed.connect(self._on_alone_closed)
         if len(self._avatar_place) == 4:

@@ -9,6 +9,7 @@ from PySide6.QtCore import QObject, Qt, Signal
 from app.errors import AppError
 from app.painting import Cast, LiveWish, resting
 from app.render.look import AvatarLook
+from app.render.quality import Drawn
 from app.workers.avatar_loop import AvatarLoop, DrawingThread, Painted
 from core.records import FaceState, Frame, UserBlendshapes
 
@@ -36,6 +37,7 @@ class AvatarScene(QObject):
         self._cast: Cast | None = None
         self._look = AvatarLook()
         self._last: LiveWish | None = None
+        self._drawn = Drawn()
 
     @property
     def plays(self) -> bool:
@@ -46,6 +48,11 @@ class AvatarScene(QObject):
     def look_now(self) -> AvatarLook:
         """How the pictures are taken."""
         return self._look
+
+    @property
+    def drawn(self) -> Drawn:
+        """How well the last picture was drawn: what is too slow is drawn smaller for a while."""
+        return self._drawn
 
     def enter(self, user: UserBlendshapes | None) -> None:
         """Let the chosen avatar play a user, at rest before the first state comes."""
@@ -119,6 +126,7 @@ class AvatarScene(QObject):
     def _on_posted(self) -> None:
         painted = self._loop.pictures.take() if self._loop is not None else None
         if painted is not None and painted.wish.cast is self._cast:
+            self._drawn = painted.drawn
             self.painted.emit(painted)
 
     def _on_failed(self, error: AppError) -> None:

@@ -41,6 +41,10 @@ class Background:
     key: Color = (0, 255, 0)
     picture: str = ""
 
+    def changed(self, **values: Any) -> "Background":
+        """Return this background with some values replaced."""
+        return replace(self, **values)
+
 
 @dataclass(frozen=True, slots=True)
 class AvatarLook:
@@ -78,6 +82,30 @@ class AvatarLook:
     def seen_as_at_first(self) -> "AvatarLook":
         """Return this look without orbit, zoom and pan."""
         return replace(self, yaw_rad=0.0, pitch_rad=0.0, zoom=1.0, pan=(0.0, 0.0))
+
+    def turned(self, right_rad: float, down_rad: float) -> "AvatarLook":
+        """Return this look with the figure's front turned to the picture's right, and down."""
+        yaw = self.yaw_rad + (right_rad if self.mirrored else -right_rad)
+        yaw = (yaw + math.pi) % (2 * math.pi) - math.pi
+        return replace(self, yaw_rad=yaw, pitch_rad=within("pitch_rad", self.pitch_rad + down_rad))
+
+    def panned(self, right: float, down: float) -> "AvatarLook":
+        """Return this look with the figure shifted, in heights of the picture."""
+        return replace(self, pan=(within("pan", self.pan[0] + right),
+                                  within("pan", self.pan[1] + down)))  # fmt: skip
+
+    def zoomed(self, factor: float, right: float = 0.0, down: float = 0.0) -> "AvatarLook":
+        """Return this look enlarged about a place in the picture, which stays where it is.
+
+        Args:
+            factor: Of the enlargement.
+            right: Of the place, from the picture's middle, in heights of the picture.
+            down: The same.
+        """
+        zoom = within("zoom", self.zoom * factor)
+        grown = zoom / self.zoom
+        moved = [at - (at - pan) * grown for at, pan in zip((right, down), self.pan, strict=True)]
+        return replace(self, zoom=zoom, pan=(within("pan", moved[0]), within("pan", moved[1])))
 
     def to_json(self) -> dict[str, Any]:
         """Return the values as plain JSON."""

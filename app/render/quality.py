@@ -17,10 +17,20 @@ class Quality:
     scale: float = 1.0
     samples: int = 8
 
-    @property
-    def full(self) -> bool:
-        """Whether nothing is saved."""
-        return self == Quality()
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """How a picture was drawn.
+
+    Attributes:
+        scale: Share of its width and height at which the figure was drawn.
+        samples: Per pixel; 0 where edges were smoothed afterwards.
+        software: The processor drew it, not a graphics card.
+    """
+
+    scale: float = 1.0
+    samples: int = 0
+    software: bool = False
 
 
 #: From the best down, where a graphics card averages samples, and where the processor draws.

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen
+from PySide6.QtGui import QBrush, QColor, QImage, QPainter, QPaintEvent, QPen, QPixmap
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from app.views.layers import LOST_COLOR, Layer
@@ -14,15 +14,32 @@ from app.views.layers import LOST_COLOR, Layer
 SURROUND_COLOR = QColor(32, 34, 37)
 BLANK_COLOR = QColor(44, 47, 51)
 BADGE_COLOR = QColor(20, 22, 24, 215)
+#: The ground under what is transparent.
+CHECK_PX, CHECK_COLORS = 10, (QColor(102, 106, 110), QColor(134, 138, 142))
 EMPTY_TEXT_COLOR = QColor(214, 218, 222)
 
 
 def image_from_array(pixels: NDArray[np.uint8]) -> QImage:
-    """Return a QImage that owns its pixels, from (H, W, 3) RGB or (H, W, 4) RGBA uint8."""
+    """Return a QImage that owns its pixels.
+
+    Args:
+        pixels: (H, W, 3) RGB or (H, W, 4) RGBA premultiplied by alpha, uint8.
+    """
     pixels = np.ascontiguousarray(pixels)
     height, width, channels = pixels.shape
-    form = QImage.Format.Format_RGB888 if channels == 3 else QImage.Format.Format_RGBA8888
-    return QImage(pixels.data, width, height, channels * width, form).copy()
+    forms = {3: QImage.Format.Format_RGB888, 4: QImage.Format.Format_RGBA8888_Premultiplied}
+    return QImage(pixels.data, width, height, channels * width, forms[channels]).copy()
+
+
+def _chequered() -> QBrush:
+    """Return the usual sign for nothing, neither light nor dark."""
+    tile = QPixmap(2 * CHECK_PX, 2 * CHECK_PX)
+    tile.fill(CHECK_COLORS[0])
+    painter = QPainter(tile)
+    for corner in (0, CHECK_PX):
+        painter.fillRect(corner, corner, CHECK_PX, CHECK_PX, CHECK_COLORS[1])
+    painter.end()
+    return QBrush(tile)
 
 
 def blank_image(width: int, height: int) -> QImage:
@@ -45,6 +62,7 @@ class PictureView(QWidget):
         self._badge = ""
         self._mirrored = False
         self._surround: QColor | None = SURROUND_COLOR
+        self._checkered = False
 
     @property
     def layers(self) -> tuple[Layer, ...]:
@@ -83,6 +101,11 @@ class PictureView(QWidget):
         self._surround = color
         self.update()
 
+    def set_checkered(self, checkered: bool) -> None:
+        """Show a chequered ground where the picture is transparent."""
+        self._checkered = checkered
+        self.update()
+
     def set_mirrored(self, mirrored: bool) -> None:
         """Show the picture like a mirror does."""
         self._mirrored = mirrored
@@ -103,6 +126,8 @@ class PictureView(QWidget):
             painter.fillRect(self.rect(), self._surround)
         if self._image is not None:
             target = self.picture_rect()
+            if self._checkered:
+                painter.fillRect(target, _chequered())
             painter.save()
             self._paint_picture(painter, self._image, target)
             painter.restore()

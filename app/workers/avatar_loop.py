@@ -2,13 +2,14 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from PySide6.QtCore import QObject, Signal
 
 from app.errors import AppError
 from app.painting import LiveWish
+from app.render.quality import Drawn
 from app.workers.latest import Latest
 from core.records import U8
 
@@ -21,11 +22,13 @@ class Painted:
         picture: (H, W, 4) uint8.
         wish: What it shows.
         ready_s: On the clock of time.perf_counter.
+        drawn: How well.
     """
 
     picture: U8
     wish: LiveWish
     ready_s: float
+    drawn: Drawn = field(default_factory=Drawn)
 
 
 class DrawingThread(Protocol):
@@ -48,9 +51,11 @@ class DrawingThread(Protocol):
 MakeThread = Callable[[Callable[[Painted], None], Callable[[AppError], None]], DrawingThread]
 
 
-def painted(draw: Callable[[LiveWish], U8]) -> Callable[[LiveWish], Painted]:
-    """Return what draws a wish and notes when the picture was ready."""
-    return lambda wish: Painted(draw(wish), wish, time.perf_counter())
+def painted(
+    draw: Callable[[LiveWish], U8], drawn: Callable[[], Drawn] = Drawn
+) -> Callable[[LiveWish], Painted]:
+    """Return what draws a wish and notes when the picture was ready and how it was drawn."""
+    return lambda wish: Painted(draw(wish), wish, time.perf_counter(), drawn())
 
 
 class AvatarLoop(QObject):
