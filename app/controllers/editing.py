@@ -8,6 +8,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from app.controllers.edit_points import Hand
 from app.controllers.profile_maker import ProfileMaker
 from app.errors import AppError
+from app.picture_names import opposite, title_of
 from app.views.editor.editor_window import EditorWindow
 from app.views.editor.filmstrip import THUMB, Cell
 from app.views.editor.scene import Scene
@@ -21,9 +22,9 @@ from core.landmarks import CURVES, GROUPS, NAMES
 from core.records import Landmarks2D, Progress
 from core.suspicion import Suspicion, suspicion
 
+__all__ = ["EditorController", "is_placed", "opposite", "title_of"]
+
 POINT_NAMES = (*(name.replace("_", " ") for name in (*NAMES, *PUPIL_NAMES)),)
-ANGLES = ("yaw", "pitch", "roll")
-SIGNS = str.maketrans("+-", "-+")
 
 
 class EditorController(QObject):
@@ -313,24 +314,3 @@ class EditorController(QObject):
 def is_placed(landmarks: Landmarks2D) -> bool:
     """Return whether the points lie anywhere at all; without a face and a prompt all are at 0."""
     return bool(np.ptp(landmarks.points_px) > 1.0)
-
-
-def title_of(name: str) -> str:
-    """Return a picture's name as people read it: "smile_yaw-30" is "smile -30°"."""
-    for angle in ANGLES:
-        what, found, degrees = name.rpartition(f"_{angle}")
-        if found:
-            return f"{angle if what == 'pose' else what.replace('_', ' ')} {degrees}°"
-    return name.replace("_", " ")
-
-
-def opposite(name: str) -> str:
-    """Return the name of the shot with head and face the other way, "" if there is none."""
-    words = {"left": "right", "right": "left"}
-    for angle in ("yaw", "roll"):
-        what, found, degrees = name.rpartition(f"_{angle}")
-        if found:
-            turned = degrees if float(degrees) == 0 else degrees.translate(SIGNS)
-            other = "_".join(words.get(word, word) for word in what.split("_"))
-            return "" if (other, turned) == (what, degrees) else f"{other}_{angle}{turned}"
-    return ""

@@ -7,7 +7,7 @@ from typing import Any
 from PySide6.QtCore import QObject, Signal
 
 from app.controllers.profile_maker import ProfileMaker
-from app.report import report_html
+from app.report import report_html, report_page
 from app.views.files import ask_where_to_save
 from app.views.setup.train_page import TrainPage
 from app.workbook import Workbook
@@ -108,7 +108,8 @@ class TrainingController(QObject):
         book = self._book
         if book is None or book.profile is None:
             return
-        html = report_html(book.folder.name, book.profile.report, whole=True)
+        name = book.folder.name
+        html = report_page(name, report_html(name, book.profile.report, links=False))
 
         def write(path: str) -> None:
             try:

@@ -7,7 +7,6 @@ from PySide6.QtTest import QTest
 
 from app.controllers.capturing import ORDER, QUICK, told
 from app.errors import AppError
-from app.report import report_html
 from app.views.setup.setup_window import STEPS
 from app.workbook import Workbook
 from core.generations import ProfileUnwritableError
@@ -249,31 +248,6 @@ def test_too_few_pictures_cannot_be_trained(qtbot, setup):
     place = list(STEPS).index("train")
     assert not setup.window.steps.item(place).flags() & Qt.ItemFlag.ItemIsEnabled
     close(setup)
-
-
-REPORT = {
-    "pictures": 60, "left_out": ["smile_yaw+0"], "focal_px": 612.0, "focal_source": "found",
-    "picture_names": [f"p{n}" for n in range(60)],
-    "held_out": {
-        "mean_rmse_px": 0.66, "mean_percent_of_eye_distance": 0.47,
-        "share_under_px": {"3": 0.98, "4.5": 1.0, "6": 1.0},
-        "mean_turn_deg": {"yaw": 0.4, "pitch": 0.5, "roll": 0.2},
-        "by_yaw": {"0-15 deg": {"tries": 60, "median_rmse_px": 0.63}},
-        "worst_pictures": [{"picture": 57, "mean_rmse_px": 0.85}],
-    },
-}  # fmt: skip
-
-
-def test_the_report_says_how_good_it_is_beside_the_paper():
-    html = report_html("me & <you>", REPORT)
-    assert "me &amp; &lt;you&gt;" in html
-    for text in ("60 pictures", "98.0 %", "73.3 %", "0.66 px", "smile_yaw+0", "href='p57'"):
-        assert text in html
-    assert report_html("me", REPORT, whole=True).startswith("<!doctype html>")
-
-
-def test_a_report_without_a_test_is_shown_as_far_as_it_goes():
-    assert "12 pictures" in report_html("me", {"pictures": 12})
 
 
 def test_a_picture_of_the_report_opens_in_the_editor(qtbot, setup):
