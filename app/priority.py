@@ -10,6 +10,11 @@ from core.records import Progress
 
 T = TypeVar("T")
 
+#: Held by the one who trains: numba's usual threading layer ends the process where two threads of
+#: ours enter parallel code at once.
+_TURN = threading.Lock()
+_ASK_EVERY_S = 0.2
+
 #: Steps of niceness; each gives about 10 % less of a busy processor.
 STEPS_BACK = 10
 
@@ -33,3 +38,13 @@ def stepping_back(steps: Generator[Progress, None, T]) -> Generator[Progress, No
     """Run steps in a thread that steps back first."""
     step_back()
     return (yield from steps)
+
+
+def taking_turns(steps: Generator[Progress, None, T]) -> Generator[Progress, None, T]:
+    """Run the steps of a training when no other one runs; all that train must be wrapped so."""
+    while not _TURN.acquire(timeout=_ASK_EVERY_S):
+        yield Progress(0, 1, "Waiting for another training to end")
+    try:
+        return (yield from steps)
+    finally:
+        _TURN.release()

@@ -228,10 +228,12 @@ class Workbook:
         Raises:
             CoreError: The profile is as it was.
         """
+        drafted = set(self._draft.names())
         steps = make_profile(model, self._pictures(), self._given_focal_px(), rng)
         profile, used = yield from steps
         kept = keep(self.folder, profile, used, **history(self.profile))
-        self._draft.clear()
+        # Somebody else may have put a picture meanwhile.
+        self._draft.clear(kept=set(self._draft.names()) - drafted)
         self._out.clear()
         self._open(kept)
         return kept

@@ -11,7 +11,7 @@ is lost when the program ends at any moment, and a damaged file costs one pictur
 import io
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -136,9 +136,13 @@ class Draft:
         if kept is not None and kept.picture_name:
             (self._folder / kept.picture_name).unlink(missing_ok=True)
 
-    def clear(self) -> None:
-        """Drop everything: a new generation holds it."""
-        for name in self.names():
+    def clear(self, kept: Collection[str] = ()) -> None:
+        """Drop everything: a new generation holds it.
+
+        Args:
+            kept: Names of pictures that came too late for that.
+        """
+        for name in set(self.names()) - set(kept):
             self.remove(name)
         for name in self.taken_out():
             (self._folder / (name + _OUT)).unlink(missing_ok=True)
