@@ -31,14 +31,14 @@ PROMPTED = "performer:prompted"
 class SetupTools(Toolbox):
     """A toolbox for the guided setup, too."""
 
-    def __init__(self, by_clock: bool = True) -> None:
+    def __init__(self, stride: int = 0) -> None:
         """Prepare.
 
         Args:
-            by_clock: The performer moves by the clock; else as fast as frames are looked at.
+            stride: Of the performer's frames, see PromptedPerformer; 0 is by the clock.
         """
         super().__init__()
-        self._by_clock = by_clock
+        self._stride = stride
         self._performer: PromptedPerformer | None = None
         self._prompt = ""
         self._held: dict[str, tuple[Held, ...]] = {}
@@ -54,7 +54,7 @@ class SetupTools(Toolbox):
             return PatientCamera(number, open_camera=partial(self._open_held, key))
         if key != PROMPTED:
             return super().open_source(key, began_again)
-        performer = PromptedPerformer(by_clock=self._by_clock)
+        performer = PromptedPerformer(stride=self._stride)
         if self._prompt:
             performer.follow(self._prompt)
         self._performer = performer

@@ -23,12 +23,13 @@ class PromptedPerformer(ClosedOnExit):
     fps = FPS
     live = True
 
-    def __init__(self, scenario: Scenario | None = None, by_clock: bool = True) -> None:
+    def __init__(self, scenario: Scenario | None = None, stride: int = 0) -> None:
         """Prepare to perform.
 
         Args:
             scenario: Who and where; its take does not matter.
-            by_clock: Frames come by the clock; else as fast as they are read.
+            stride: 0 lets frames come by the clock. Else they come as fast as they are read, this
+                many of 30 in a second from one to the next.
         """
         scenario = replace(scenario or Scenario(), take=SETUP)
         session = setup_take(scenario.seed)
@@ -39,7 +40,7 @@ class PromptedPerformer(ClosedOnExit):
         }
         self.name = f"virtual performer ({scenario.person}, follows the prompts)"
         self.size_px = self._film.size_px
-        self._pacer = Pacer(FPS) if by_clock else None
+        self._pacer, self._stride = None if stride else Pacer(FPS), stride
         self._lock = Lock()
         self._index, self._wanted = 0, 0
         self._asked_index, self._from = 0, 0
@@ -60,9 +61,9 @@ class PromptedPerformer(ClosedOnExit):
 
     def read(self) -> Frame | None:
         """Return the next frame."""
-        index = self._pacer.next_index() if self._pacer is not None else self._index
+        index = self._index if self._pacer is None else self._pacer.next_index()
         with self._lock:
-            self._index = index + 1
+            self._index = index + max(self._stride, 1)
             shown = self._shown(index)
         frame = self._film.picture(shown)
         return Frame(frame.rgb, frame.gray, index / FPS, index)

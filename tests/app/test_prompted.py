@@ -10,7 +10,7 @@ from app.performer.prompted import PromptedPerformer
 
 @pytest.fixture(scope="module")
 def performer():
-    with PromptedPerformer(by_clock=False) as source:
+    with PromptedPerformer(stride=1) as source:
         yield source
 
 
