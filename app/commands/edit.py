@@ -3,16 +3,12 @@
 import argparse
 import signal
 import sys
-from collections.abc import Generator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from app.commands.display import has_display
-from app.errors import NoDisplayError, PicturesDeletedError
+from app.errors import NoDisplayError
 from app.profiles import profile_folder
-from core.records import U8, Landmarks2D, Progress
 
 DESCRIPTION = "Look at the pictures of a profile, put wrong landmarks right, and train again."
 
@@ -51,33 +47,7 @@ def open_editor(folder: Path) -> tuple[Any, Any]:
         CoreError: The profile cannot be read.
         PicturesDeletedError: It has nothing to look at.
     """
-    from app.controllers.editing import EditorController
-    from app.models import load_aligner
-    from app.resources import asset
-    from app.views.editor.editor_window import EditorWindow
-    from app.workbook import Workbook
-    from core.face_model import load_face_model
-    from core.generations import ProfileMissingError
-    from core.landmark_refit import Refitter
+    # Qt is not loaded for the other commands.
+    from app.controllers.profile_editor import make_editor, open_book
 
-    model = load_face_model(asset("face_model.npz"))
-
-    def find(rgb: U8) -> Landmarks2D | None:
-        found = load_aligner().first(rgb)
-        return None if found is None else found.landmarks
-
-    book = Workbook(folder, find)
-    if book.pictures_deleted and not book.names:
-        raise PicturesDeletedError(folder.name)
-
-    def train(book: Workbook) -> Generator[Progress, None, object]:
-        profile = yield from book.train(model, np.random.default_rng(0))
-        return f"Trained again; {len(profile.names)} pictures are in use."
-
-    def refitter() -> Refitter:
-        if book.profile is None:
-            raise ProfileMissingError(folder)
-        return Refitter(model, book.profile.user, book.profile.camera)
-
-    window = EditorWindow(folder.name)
-    return window, EditorController(window, book, refitter, train)
+    return make_editor(open_book(folder))

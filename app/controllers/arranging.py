@@ -54,6 +54,7 @@ class Arranging(QObject):
             source=wanted.source if wanted.source.startswith("camera") else "",
             profile=wanted.profile,
             avatar=self._controller.scene.avatar,
+            invited=self._controller.inviting.declined,
         )
 
     def _switches(self) -> list[str]:

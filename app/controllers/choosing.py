@@ -7,11 +7,12 @@ from app.views.live_window import OPEN_FILE, LiveWindow
 
 
 class ChoiceLists:
-    """Remembers the files that were played."""
+    """Remembers the files that were played, and which profiles there were last."""
 
     def __init__(self, window: LiveWindow, tools: Tools) -> None:
         self._window, self._tools = window, tools
         self._files: list[str] = []
+        self.profiles: list[str] = []
 
     def show(self, wanted: Wanted, avatar: str) -> None:
         """List all there is, what is chosen being selected."""
@@ -21,7 +22,8 @@ class ChoiceLists:
             self._files.append(source)
         files = [Choice(path, path.replace("\\", "/").split("/")[-1], path) for path in self._files]
         self._window.show_sources([*known, *files], source)
-        self._window.show_profiles(self._tools.profiles(), wanted.profile)
+        self.profiles = self._tools.profiles()
+        self._window.show_profiles(self.profiles, wanted.profile)
         self._window.show_avatars(self._tools.avatars(), avatar)
 
     def offers(self) -> list[Choice]:

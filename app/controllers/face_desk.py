@@ -1,10 +1,13 @@
 """Ways to a profile from the live window: the guided setup, or a video in the background."""
 
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject, QUrl, Signal
+from PySide6.QtGui import QDesktopServices
 
 from app.controllers.profile_maker import ProfileMaker
-from app.controllers.tools import Guided, Tools
+from app.controllers.tools import Editor, Guided, Tools
+from app.errors import AppError
 from app.views.live_window import LiveWindow
+from core.errors import CoreError
 
 
 class FaceDesk(QObject):
@@ -13,6 +16,7 @@ class FaceDesk(QObject):
     camera_needed = Signal()  # the live view must give its source back
     camera_free = Signal(str)  # go on, with this profile if it is not empty
     made = Signal(object)  # MadeProfile
+    retrained = Signal(str)  # profile whose landmarks were corrected
     changed = Signal()  # `busy` may have changed
 
     def __init__(self, window: LiveWindow, tools: Tools, parent: QObject | None = None) -> None:
@@ -20,6 +24,7 @@ class FaceDesk(QObject):
         self._window, self._tools = window, tools
         self._maker = ProfileMaker(self)
         self._guided: Guided | None = None
+        self._editor: Editor | None = None
         self._maker.progressed.connect(window.job_row.show_progress)
         self._maker.made.connect(self.made)
         self._maker.failed.connect(lambda error: window.message_bar.tell(str(error)))
@@ -36,6 +41,8 @@ class FaceDesk(QObject):
         """Close the guided setup, end the background work and wait for that."""
         if self._guided is not None:
             self._guided.close()
+        if self._editor is not None:
+            self._editor.close()
         self._maker.stop()
 
     def show_guided(self, source: str) -> None:
@@ -47,6 +54,30 @@ class FaceDesk(QObject):
         self._guided = self._tools.guided_setup(source if source.startswith("camera") else "")
         self._guided.finished.connect(self._on_guided_finished)
         self._guided.show()
+
+    def show_editor(self, profile: str) -> None:
+        """Show the landmarks of a profile's pictures, to be corrected."""
+        if self._editor is not None:
+            self._editor.show()
+        elif profile:
+            self._editor = self._tools.profile_editor(profile)
+            self._editor.finished.connect(lambda trained: self._on_edited(profile, trained))
+            self._editor.failed.connect(self._on_not_edited)
+
+    def show_folder(self, profile: str) -> None:
+        """Let the system show the files of a profile."""
+        if profile:
+            folder = self._tools.profile_folder(profile)
+            QDesktopServices.openUrl(QUrl.fromLocalFile(str(folder)))
+
+    def _on_edited(self, profile: str, trained: bool) -> None:
+        self._editor = None
+        if trained:
+            self.retrained.emit(profile)
+
+    def _on_not_edited(self, error: CoreError | AppError) -> None:
+        self._editor = None
+        self._window.message_bar.tell(str(error))
 
     def _on_guided_finished(self, name: str) -> None:
         self._guided = None

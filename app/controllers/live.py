@@ -19,6 +19,7 @@ from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
 
 from app.controllers.choosing import ChoiceLists
 from app.controllers.face_desk import FaceDesk
+from app.controllers.inviting import Inviting
 from app.controllers.live_chain import (
     Listener,
     LiveChain,
@@ -30,17 +31,12 @@ from app.controllers.profile_maker import MadeProfile
 from app.controllers.remarks import (
     BROKEN,
     GETTING_READY,
-    INVITATION,
-    MAKING,
     NO_CAMERA,
     NO_PICTURE,
     NOT_DRAWN,
     PREPARING,
     SETTING_UP,
-    STRANGER,
-    UNUSABLE,
     WAITING,
-    FreeSpell,
 )
 from app.controllers.scene import AvatarScene
 from app.controllers.showing import Showing
@@ -71,7 +67,7 @@ class LiveController(QObject):
         self._window, self._tools = window, tools
         self._lists = ChoiceLists(window, tools)
         self._wanted = Wanted("", NO_PROFILE.key)
-        self._spell = FreeSpell()
+        self.inviting = Inviting(window, self._is_newcomer)
         self._showing = Showing(window, tools, self)
         self.scene = AvatarScene(tools, tools.avatars()[0].key, self)
         self._chain = LiveChain(Drive(), self._on_solved)
@@ -109,6 +105,7 @@ class LiveController(QObject):
         self._window.set_profile_rules(self._tools.name_trouble, performer)
         kept, names = load_window(), self._tools.profiles()
         cameras = [camera.key for camera in self._tools.cameras()]
+        self.inviting.declined = kept.invited
         self._timer.start(NUMBERS_EVERY_MS)
         if kept.avatar in {avatar.key for avatar in self._tools.avatars()}:
             self.scene.choose(kept.avatar)
@@ -156,6 +153,9 @@ class LiveController(QObject):
         window.profile_chosen.connect(self.use_profile)
         window.avatar_chosen.connect(self._on_avatar_chosen)
         window.guided_wanted.connect(lambda: self._desk.show_guided(self._wanted.source))
+        deeds = window.deeds
+        deeds["edit"].triggered.connect(lambda: self._desk.show_editor(self._wanted.profile))
+        deeds["folder"].triggered.connect(lambda: self._desk.show_folder(self._wanted.profile))
         window.closing.connect(self.stop)
 
     def _show_choices(self) -> None:
@@ -187,14 +187,11 @@ class LiveController(QObject):
         self._invite()
 
     def _invite(self) -> None:
-        """Say below the pictures what a profile would bring, or why this one is not used."""
-        if self._performing.unusable:
-            hint = UNUSABLE
-        elif self._wanted.profile:
-            hint = STRANGER if self._spell.lasts(self._showing.state) else ""
-        else:
-            hint = MAKING if self._desk.busy else INVITATION
-        self._window.show_hint(hint)
+        profile, unusable = self._wanted.profile, self._performing.unusable
+        self.inviting.look(profile, unusable, self._desk.busy, self._showing.state)
+
+    def _is_newcomer(self) -> bool:
+        return not self._lists.profiles and self._performing.plays
 
     def _on_avatar_chosen(self, key: str) -> None:
         self.scene.choose(key)
@@ -218,6 +215,7 @@ class LiveController(QObject):
         self._desk.camera_needed.connect(self._on_camera_needed)
         self._desk.camera_free.connect(self._on_camera_free)
         self._desk.made.connect(self._on_profile_made)
+        self._desk.retrained.connect(self._on_retrained)
 
     def _opening(self) -> str:
         return f"Opening {self._window.sources.currentText()}…"
@@ -258,6 +256,7 @@ class LiveController(QObject):
         """Do what need not be done with every frame."""
         self._performing.look_around()
         self._invite()
+        self._showing.show_trouble(self.player.trouble, self._lists.offers())
         self._showing.show_numbers(self.player.busy)
 
     # -- making a profile ----------------------------------------------------------------
@@ -270,6 +269,10 @@ class LiveController(QObject):
     def _on_camera_free(self, profile: str) -> None:
         """Go on, with the profile with which the user wanted to go live."""
         self._play(self._wanted.source, profile or self._wanted.profile)
+
+    def _on_retrained(self, profile: str) -> None:
+        if profile == self._wanted.profile:
+            self.use_profile(profile)
 
     def _on_profile_made(self, made: MadeProfile) -> None:
         self.use_profile(made.name)

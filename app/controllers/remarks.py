@@ -13,10 +13,6 @@ DOUBTFUL = 0.25
 SETTING_UP = "The guided setup uses the camera."
 NO_CAMERA = "No camera was found.\nPlug one in, or try facepuppet without:"
 NO_PICTURE = "There is no picture."
-INVITATION = (
-    "Any face is tracked without a profile. With one of your own the avatar follows more closely: "
-    "a minute of video is enough (New profile…)."
-)
 MAKING = "Tracking without a profile until the new one is made."
 STRANGER = "This profile does not fit the face in the picture: tracking without it."
 GETTING_READY = "Getting ready…\nThe very first time this takes half a minute."
@@ -46,17 +42,22 @@ class FreeSpell:
         return now_s - self._since_s > LASTING_S
 
 
-def state_name(busy: bool, has_picture: bool, state: FaceState | None, confidence: float) -> str:
+def state_name(
+    busy: bool, gone: bool, has_picture: bool, state: FaceState | None, confidence: float
+) -> str:
     """Return how tracking goes, one of app.views.status_row.STATES.
 
     Args:
         busy: Whether a source is played or being opened.
+        gone: Whether its camera is waited for.
         has_picture: Whether it has given a picture.
         state: The newest one.
         confidence: Averaged.
     """
     if not busy:
         return "off"
+    if gone:
+        return "gone"
     if not has_picture:
         return "opening"
     if state is None or state.lost:

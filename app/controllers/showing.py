@@ -1,13 +1,17 @@
 """Shows what the live view makes: the two pictures, what lies over them, and the numbers."""
 
 import time
+from collections.abc import Sequence
 
 from PySide6.QtCore import QObject
 
+from app.controllers.cpu_share import CpuShare
 from app.controllers.matching import DelayMatch
 from app.controllers.meter import Meter
 from app.controllers.overlays import MeshMaker, Overlays
 from app.controllers.remarks import SEARCHING, state_name
+from app.render.quality import Drawn
+from app.views.choice import Choice
 from app.views.live_window import LiveWindow
 from app.views.picture_view import blank_image, image_from_array
 from app.views.status_row import LiveNumbers
@@ -24,11 +28,12 @@ class Showing(QObject):
         self._window = window
         self.overlays = Overlays(window.deeds, maker, self)
         self._meter, self._match = Meter(), DelayMatch()
+        self._cpu, self._trouble, self._drawn = CpuShare(), "", Drawn()
         self.state: FaceState | None = None
 
     def reset(self) -> None:
         """Begin anew with another source."""
-        self.state = None
+        self.state, self._trouble = None, ""
         self._meter.reset()
         self._match.reset()
 
@@ -48,12 +53,24 @@ class Showing(QObject):
         wish = painted.wish
         if wish.delivered_s is not None:
             self._meter.count_latency(1000 * (painted.ready_s - wish.delivered_s))
+        self._drawn = painted.drawn
         layers = self.overlays.over_avatar(wish.state)
         self._window.avatar_pane.show_picture(image_from_array(painted.picture), layers)
         if wish.frame is None or wish.solved is None:
             return
         if self._match.on_painted(wish.frame):
             self._show_frame(wish.frame, wish.solved)
+
+    def show_trouble(self, trouble: str, offers: Sequence[Choice]) -> None:
+        """Say why no pictures come, or nothing; they come again by themselves.
+
+        Args:
+            trouble: Such as a camera that is gone.
+            offers: Sources to choose instead.
+        """
+        if trouble and trouble != self._trouble:
+            self._window.source_pane.say(trouble, offers)
+        self._trouble = trouble
 
     def show_numbers(self, busy: bool) -> None:
         """Show the state of tracking and the speeds.
@@ -63,11 +80,11 @@ class Showing(QObject):
         """
         meter = self._meter
         has_picture = self._window.source_pane.has_picture
-        name = state_name(busy, has_picture, self.state, meter.confidence)
+        name = state_name(busy, bool(self._trouble), has_picture, self.state, meter.confidence)
         self._window.show_numbers(
             LiveNumbers(
                 name, meter.confidence, meter.frames_per_second(), meter.solve_ms,
-                meter.latency_ms, meter.dropped,
+                meter.latency_ms, meter.dropped, self._cpu.look(), self._drawn.scale,
             )
         )  # fmt: skip
 

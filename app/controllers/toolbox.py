@@ -36,6 +36,7 @@ from core.store import Profile, load
 
 if TYPE_CHECKING:
     from app.controllers.guided import GuidedSetup
+    from app.controllers.profile_editor import ProfileEditor
 
 #: Size of the avatar's picture.
 AVATAR_SIZE_PX = (640, 480)
@@ -134,6 +135,17 @@ class Toolbox:
         from app.controllers.guided import GuidedSetup
 
         return GuidedSetup(source)
+
+    def profile_editor(self, name: str) -> "ProfileEditor":
+        """Return the landmark editor of a profile, which shows itself when it is ready."""
+        # As the setup's, its windows are loaded when they are wished for.
+        from app.controllers.profile_editor import ProfileEditor
+
+        return ProfileEditor(profile_folder(name))
+
+    def profile_folder(self, name: str) -> Path:
+        """Return where a profile is kept."""
+        return profile_folder(name)
 
     def profile_steps(self, name: str, source: str) -> Generator[Progress, None, MadeProfile]:
         """Make and keep a profile.

@@ -1,6 +1,7 @@
 """What the live window needs of the rest of the program, which tests can stand in for."""
 
 from collections.abc import Generator
+from pathlib import Path
 from typing import Protocol
 
 from PySide6.QtCore import SignalInstance
@@ -24,6 +25,21 @@ class Guided(Protocol):
 
     def close(self) -> object:
         """Close it; everything taken is kept."""
+        ...
+
+
+class Editor(Protocol):
+    """What is needed of the window of the landmark editor."""
+
+    finished: SignalInstance  # whether the profile was trained anew
+    failed: SignalInstance  # CoreError or AppError: there is nothing to show
+
+    def show(self) -> None:
+        """Show the window, in front of all others."""
+        ...
+
+    def close(self) -> object:
+        """Close it."""
         ...
 
 
@@ -52,6 +68,14 @@ class Tools(Opener, Studio, MeshMaker, Protocol):
 
     def guided_setup(self, source: str) -> Guided:
         """Return the guided setup, to be shown; the source is the camera to begin with."""
+        ...
+
+    def profile_editor(self, name: str) -> Editor:
+        """Return the landmark editor of a profile, which shows itself when it is ready."""
+        ...
+
+    def profile_folder(self, name: str) -> Path:
+        """Return where a profile is kept."""
         ...
 
     def profile_steps(self, name: str, source: str) -> Generator[Progress, None, MadeProfile]:

@@ -35,12 +35,17 @@ from app.views.new_profile import NewProfileDialog
 from app.views.pane import Pane
 from app.views.panels import Panels
 from app.views.picture_pair import PicturePair
+from app.views.setup_card import SetupCard
 from app.views.status_row import LiveNumbers, StatusRow
 from app.views.transport_row import TransportRow
 
 #: Choices that open a dialog.
 OPEN_FILE = Choice("?file", "Video file…", "Play a video in place of a camera (Ctrl+O)")
 NEW_PROFILE = Choice("?new", "New profile…", "Make a profile from a video or pictures (Ctrl+N)")
+#: What can be done with profiles, below their names: key of the action -> what people read.
+PROFILE_DEEDS = {
+    "guided": "Set up my face…", "edit": "Edit landmarks…", "folder": "Open the folder",
+}  # fmt: skip
 #: Key of the choice not to track.
 NO_PROFILE = Choice("", "No profile")
 MARGIN_PX = 8
@@ -73,9 +78,11 @@ class LiveWindow(QMainWindow):
         self.mirror_box, self.landmarks_box = QCheckBox("&Mirror"), QCheckBox("&Landmarks")
         self.landmarks_box.setChecked(True)
         self.message_bar, self.job_row, self.status = MessageBar(), JobRow(), StatusRow()
+        self.card = SetupCard()
         self.hint, self.choices = QLabel(), QWidget()
         self._name_trouble: Callable[[str], str] = lambda name: ""
         self._performer = Choice("", "")
+        self._profile_names: tuple[str, ...] = ()
         self._menus = {name: self.menuBar().addMenu(f"&{name}") for name in MENUS}
         self.deeds = LiveActions(self, self._menus)
         deeds = self.deeds
@@ -116,8 +123,12 @@ class LiveWindow(QMainWindow):
 
     def show_profiles(self, names: Sequence[str], current: str) -> None:
         """List the profiles."""
+        self._profile_names = tuple(names)
         listed = [Choice(name, name) for name in names]
-        self.profiles.show_choices([NO_PROFILE, *listed], current)
+        deeds = [Choice(f"?{key}", text) for key, text in PROFILE_DEEDS.items()]
+        self.profiles.show_choices([NO_PROFILE, *listed, *deeds], current)
+        for key in ("edit", "folder"):
+            self.deeds[key].setEnabled(bool(current))
 
     def show_avatars(self, choices: Sequence[Choice], current: str) -> None:
         """List the avatars."""
@@ -161,6 +172,14 @@ class LiveWindow(QMainWindow):
         else:
             self.source_chosen.emit(key)
 
+    def _take_profile(self, key: str) -> None:
+        """Use a profile, or do with the one in use what its list offers."""
+        if key.startswith("?"):
+            self.profiles.show_current()
+            self.deeds[key[1:]].trigger()
+        else:
+            self.profile_chosen.emit(key)
+
     def ask_for_video(self) -> None:
         """Let the user choose a video as the source."""
         ask_for_video(self, "Open a video", self.source_chosen.emit, self.sources.show_current)
@@ -169,7 +188,7 @@ class LiveWindow(QMainWindow):
         """Let the user say from what a new profile is to be made."""
         if not self.new_profile_button.isEnabled():
             return
-        dialog = NewProfileDialog(self._name_trouble, self.profiles.keys[1:], self._performer, self)
+        dialog = NewProfileDialog(self._name_trouble, self._profile_names, self._performer, self)
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         dialog.wanted.connect(self.new_profile_wanted)
         dialog.guided_wanted.connect(self.guided_wanted)
@@ -215,8 +234,9 @@ class LiveWindow(QMainWindow):
         self.sources.list_wanted.connect(self.sources_wanted)
         self.source_pane.chosen.connect(self.take)
         self.avatar_pane.chosen.connect(self.take)
-        self.profiles.chosen.connect(self.profile_chosen)
+        self.profiles.chosen.connect(self._take_profile)
         self.avatars.chosen.connect(self.avatar_chosen)
+        self.card.wanted.connect(self.guided_wanted)
         self.new_profile_button.clicked.connect(self.ask_for_profile)
         self.job_row.cancel_wanted.connect(self.cancel_wanted)
         self.mirror_box.toggled.connect(self.source_pane.picture.set_mirrored)
@@ -246,6 +266,7 @@ class LiveWindow(QMainWindow):
         layout.addWidget(self.job_row)
         layout.addWidget(self.pair, stretch=1)
         layout.addWidget(self.transport)
+        layout.addWidget(self.card)
         layout.addWidget(self.hint)
         self._layout = layout
         self.setCentralWidget(center)

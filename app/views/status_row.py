@@ -10,6 +10,7 @@ GOOD, WAITING, OFF = QColor(46, 160, 67), QColor(219, 140, 0), QColor(128, 128, 
 #: State -> what people read, colour of the lamp. The text says all that the colour says.
 STATES = {
     "off": ("No source", OFF),
+    "gone": ("Camera gone: waiting for it", WAITING),
     "opening": ("Opening…", WAITING),
     "searching": ("Searching for the face", WAITING),
     "trained": ("Tracking, trained", GOOD),
@@ -24,7 +25,12 @@ FIELDS = {
     "solve": ("solve 100.0 ms", "Time to find the face in one frame"),
     "latency": ("latency 1000 ms", "Time from a frame's arrival to the avatar's picture"),
     "dropped": ("10000 dropped", "Frames left out because the computer was too slow"),
+    "cpu": ("CPU 100 %", "Share of this computer's processors that facepuppet uses"),
+    "quality": ("avatar 100 %", "Sharpness of the avatar: less where drawing takes too long"),
 }
+
+
+ACCESSIBLE = {"cpu": "Processor share", "quality": "Avatar quality", "rate": "Frame rate"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +44,8 @@ class LiveNumbers:
         solve_ms: Time to solve one frame.
         latency_ms: From the frame's delivery to the avatar's picture.
         dropped: Frames skipped because they came too fast.
+        cpu_share: Of all processors, in [0, 1].
+        avatar_scale: Share of its full width and height at which the avatar is drawn.
     """
 
     state: str
@@ -46,6 +54,8 @@ class LiveNumbers:
     solve_ms: float = 0.0
     latency_ms: float = 0.0
     dropped: int = 0
+    cpu_share: float = 0.0
+    avatar_scale: float = 1.0
 
 
 class Lamp(QWidget):
@@ -99,7 +109,7 @@ class StatusRow(QStatusBar):
         text, color = STATES[numbers.state]
         self._state.setText(text)
         self._lamp.show_color(color)
-        sees = numbers.state not in ("off", "opening", "searching")
+        sees = numbers.state not in ("off", "gone", "opening", "searching")
         solves = sees or numbers.state == "searching"
         texts = {
             "confidence": (f"confidence {100 * numbers.confidence:.0f} %", sees),
@@ -107,7 +117,11 @@ class StatusRow(QStatusBar):
             "solve": (f"solve {numbers.solve_ms:.1f} ms", solves and numbers.solve_ms > 0),
             "latency": (f"latency {numbers.latency_ms:.0f} ms", solves and numbers.latency_ms > 0),
             "dropped": (f"{numbers.dropped} dropped", solves),
-        }
+            "cpu": (f"CPU {100 * numbers.cpu_share:.0f} %", numbers.cpu_share > 0),
+            "quality": (
+                f"avatar {100 * numbers.avatar_scale:.0f} %", solves and numbers.latency_ms > 0
+            ),
+        }  # fmt: skip
         for name, (shown, means_something) in texts.items():
             self._fields[name].setText(shown if means_something else "")
 
@@ -115,7 +129,7 @@ class StatusRow(QStatusBar):
         longest, meaning = FIELDS[name]
         label = QLabel()
         label.setMinimumWidth(self.fontMetrics().horizontalAdvance(longest) + 12)
-        label.setAccessibleName(name.capitalize())
+        label.setAccessibleName(ACCESSIBLE.get(name, name.capitalize()))
         label.setToolTip(meaning)
         self.addPermanentWidget(label)
         return label

@@ -3,8 +3,10 @@
 import threading
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
+from PySide6.QtCore import QObject, Signal
 
 from app.controllers.player import Performer
 from app.controllers.profile_maker import MadeProfile
@@ -36,17 +38,27 @@ class FakeSource:
 
     def __init__(self, toolbox, key, level):
         self.toolbox, self.key, self.level, self.index = toolbox, key, level, 0
+        self.interrupted = threading.Event()
         toolbox.open_now.add(self)
         toolbox.most_open = max(toolbox.most_open, len(toolbox.open_now))
 
     def read(self):
         time.sleep(FRAME_S)
+        while self.toolbox.trouble and not self.interrupted.wait(FRAME_S):
+            pass
         if self.toolbox.read_error is not None:
             raise self.toolbox.read_error
         gray = np.full((48, 64), self.level, np.uint8)
         rgb = np.repeat(gray[..., None], 3, axis=2)
         self.index += 1
         return Frame(rgb, gray, self.index * FRAME_S, self.index - 1)
+
+    @property
+    def trouble(self):
+        return self.toolbox.trouble
+
+    def interrupt(self):
+        self.interrupted.set()
 
     def close(self):
         self.toolbox.open_now.discard(self)
@@ -77,6 +89,20 @@ class FakeTracker:
 
     def reset(self):
         self.resets += 1
+
+
+class FakeEditor(QObject):
+    finished, failed = Signal(bool), Signal(object)
+
+    def __init__(self, name):
+        super().__init__()
+        self.name, self.shown, self.closed = name, 0, False
+
+    def show(self):
+        self.shown += 1
+
+    def close(self):
+        self.closed = True
 
 
 class FakeMesh:
@@ -120,7 +146,8 @@ class FakeToolbox:
         self.gate, self.ready = threading.Event(), threading.Event()
         self.gate.set()
         self.ready.set()
-        self.lost, self.confidence = False, 0.9
+        self.lost, self.confidence, self.trouble = False, 0.9, ""
+        self.editors = []
         self.stranger, self.learned = False, None
         self.read_error = self.tracker_error = self.render_error = None
         self.wishes, self.render_threads = [], 0
@@ -161,6 +188,13 @@ class FakeToolbox:
     def face_mesh(self, user):
         assert threading.current_thread() is not threading.main_thread()
         return FakeMesh()
+
+    def profile_editor(self, name):
+        self.editors.append(FakeEditor(name))
+        return self.editors[-1]
+
+    def profile_folder(self, name):
+        return Path("/profiles") / name
 
     def name_trouble(self, name):
         return "this name has a '?' in it" if "?" in name else ""

@@ -12,7 +12,6 @@ from app.controllers.desk import open_desk
 from app.controllers.remarks import (
     BROKEN,
     GETTING_READY,
-    INVITATION,
     MAKING,
     STRANGER,
     UNUSABLE,
@@ -120,7 +119,7 @@ def test_without_a_profile_the_avatar_moves_at_once_above_an_invitation(live, qt
     window = live(FakeToolbox())
     qtbot.waitUntil(lambda: window.avatar_pane.has_picture)
     qtbot.waitUntil(plays(window, CAMERA))
-    assert window.hint.text() == INVITATION and window.hint.isVisible()
+    assert window.card.isVisible() and "10 minutes" in window.card.button.text()
     qtbot.waitUntil(lambda: window.status.state == "Tracking, training-free")
     qtbot.waitUntil(lambda: window.status.field("rate").endswith("fps"))
     qtbot.waitUntil(lambda: most_blue(window.source_pane.picture) > 150)
@@ -405,7 +404,7 @@ def test_making_a_profile_can_be_cancelled(live, qtbot):
     qtbot.waitUntil(lambda: window.job_row.text == "")
     assert toolbox.profile_names == [] and window.message_bar.text == ""
     assert window.new_profile_button.isEnabled()
-    assert window.hint.text() == INVITATION
+    assert window.hint.text() == "" and window.card.isVisible()
 
 
 def test_a_video_that_gives_no_profile_is_told_with_what_to_do(live, qtbot):
