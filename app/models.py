@@ -8,7 +8,9 @@ from core.aligner_bias import load_aligner_bias
 from core.alignment import FaceAligner
 from core.animation_prior import AnimationPrior, load_animation_prior
 from core.auto_live import STRICT, AutoTracker
+from core.cover_watch import CoverWatch
 from core.detection_policy import Detection
+from core.face_keeper import FaceKeeper
 from core.face_model import FaceModel, load_face_model
 from core.free_live import FreeTracker
 from core.landmark_flow import FlowSettings, LandmarkFollower
@@ -89,7 +91,8 @@ def free_tracker(
         user: Whose face to begin with, None for the mean face.
     """
     clock = time.thread_time if looking.measured else None
-    follower = LandmarkFollower(models.aligner, FlowSettings(looking.detection), clock)
+    keeper = FaceKeeper(models.aligner, CoverWatch(models.aligner.mean))
+    follower = LandmarkFollower(models.aligner, FlowSettings(looking.detection), clock, keeper)
     return FreeTracker(models.face_model, follower, camera, user=user)
 
 

@@ -4,6 +4,7 @@ The networks and the way they are chained are those of MediaPipe's face landmark
 them. It needs no setup and remembers nothing: what it knows of the frame before is an argument.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,7 +24,7 @@ from core.face_regions import (
 )
 from core.landmark_confidence import confidences, inside, visibility
 from core.landmarks import MESH478, N_INTERNAL, N_LANDMARKS, PUPILS478
-from core.mean_face import N_SURFACE, head_pose, load_mean_face
+from core.mean_face import N_SURFACE, MeanFace, head_pose, load_mean_face
 from core.outline import outline, outline_lines
 from core.records import F32, U8, FloatArray, Landmarks2D, freeze
 
@@ -102,6 +103,11 @@ class FaceAligner:
         self._lines = outline_lines(self._mean)
         self._visibility = visibility(self._mean, self._lines)
 
+    @property
+    def mean(self) -> MeanFace:
+        """The mean face of the landmark network."""
+        return self._mean
+
     def detect(self, rgb: U8) -> list[FaceBox]:
         """Return the faces in a picture (H, W, 3), the largest first."""
         height, width = rgb.shape[:2]
@@ -130,6 +136,14 @@ class FaceAligner:
             if found is not None:
                 return found
         return None
+
+    def faces(self, rgb: U8, near_px: FloatArray) -> Iterator[Alignment]:
+        """Yield the faces in a picture (H, W, 3), the nearest to a place (2,) first."""
+        boxes = self.detect(rgb)
+        for box in sorted(boxes, key=lambda box: float(np.linalg.norm(box.center_px - near_px))):
+            found = self._settled(rgb, box)
+            if found is not None:
+                yield found
 
     def follow(self, rgb: U8, previous: Alignment | None) -> Alignment | None:
         """Return the face of the previous frame in this one; after None the largest face.

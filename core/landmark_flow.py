@@ -12,6 +12,7 @@ import numpy as np
 
 from core.alignment import Alignment
 from core.detection_policy import Detection, DetectionPolicy, PolicySettings
+from core.face_keeper import FaceKeeper
 from core.face_regions import Region
 from core.flow_error import Signs, confidences_of, expected_error
 from core.flow_motion import N_FOLLOWED, camera_between, carried, face_size_px, follow_points
@@ -113,6 +114,7 @@ class LandmarkFollower:
         aligner: Aligner,
         settings: FlowSettings | None = None,
         clock: Callable[[], float] | None = None,
+        keeper: FaceKeeper | None = None,
     ) -> None:
         """Prepare to follow.
 
@@ -121,8 +123,10 @@ class LandmarkFollower:
             settings: How.
             clock: Seconds of processor time, to measure what network and flow cost; None counts
                 with the settings' costs, and the same frames then give the same landmarks.
+            keeper: Of the aligner: stays with one face, sees what covers it; None: whoever is
+                there is followed.
         """
-        self._aligner, self._clock = aligner, clock
+        self._aligner, self._clock, self._keeper = aligner, clock, keeper
         self._settings = settings or FlowSettings()
         self._policy = DetectionPolicy(
             self._settings.detection, self._settings.budget_ms, self._settings.policy
@@ -190,7 +194,11 @@ class LandmarkFollower:
     def _looked(self, frame: Frame, carried: _Past | None) -> _Past | None:
         """Return what the network sees, corrections of what flow carried spread; None: no face."""
         before = self._past if carried is None else carried
-        found = self._aligner.follow(frame.rgb, None if before is None else _moved(before))
+        place = None if before is None else _moved(before)
+        if self._keeper is not None:
+            found = self._keeper.follow(frame, place)
+        else:
+            found = self._aligner.follow(frame.rgb, place)
         if found is None:
             return None
         seen = found.landmarks

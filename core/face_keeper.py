@@ -1,0 +1,145 @@
+"""Stays with one face: the one that was followed so far, not the largest or the next best.
+
+What is before it, a hand or somebody who passes by, is told by the colour of the skin, see
+`core.cover_watch`. A face that is hidden is not followed, and neither is another's that the
+network finds in its place. The detector looks for it meanwhile in the whole picture. Only when it
+does not come back for some seconds another face is taken.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from core.alignment import Alignment
+from core.cover_watch import CoverWatch, Judged
+from core.landmarks import GROUPS, N_INTERNAL
+from core.records import U8, FloatArray, Frame
+
+_EYES = np.array([GROUPS["eye_right"], GROUPS["eye_left"]])
+
+
+class Aligner(Protocol):
+    """What is needed of the generic aligner."""
+
+    def follow(self, rgb: U8, previous: Alignment | None) -> Alignment | None:
+        """Return the face near the previous one, or after None the largest."""
+        ...
+
+    def faces(self, rgb: U8, near_px: FloatArray) -> Iterator[Alignment]:
+        """Yield the faces in a picture, the nearest to a place first."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class KeeperSettings:
+    """How long a face is waited for.
+
+    Attributes:
+        patience_s: Time after which another face is taken.
+        least_trust: Part of its confidence that a covered landmark keeps.
+        sure: Mean cover of a face below which its place is remembered.
+        reach: Way from there to where the same face can be, in face sizes, at once and in a
+            second.
+        growth: Change of its size that is possible meanwhile, as a factor.
+        alike: Mean deviation below which it is the same face wherever it is.
+    """
+
+    patience_s: float = 2.5
+    least_trust: float = 0.04
+    sure: float = 0.08
+    reach: tuple[float, float] = (0.35, 1.2)
+    growth: float = 1.2
+    alike: float = 1.2
+
+
+class FaceKeeper:
+    """Follows one face by the aligner; remembers what it looks like and where it was."""
+
+    def __init__(
+        self, aligner: Aligner, watch: CoverWatch, settings: KeeperSettings | None = None
+    ) -> None:
+        self._aligner, self._watch = aligner, watch
+        self._settings = settings or KeeperSettings()
+        self._kept: Alignment | None = None
+        self._kept_s = self._sure_s = -np.inf
+
+    def forget(self) -> None:
+        """Know no face: another person may be there, after a cut."""
+        self._kept, self._kept_s = None, -np.inf
+        self._watch.reset()
+
+    def follow(self, frame: Frame, previous: Alignment | None) -> Alignment | None:
+        """Return the face in a frame, covered landmarks with little confidence; None: not seen.
+
+        Args:
+            frame: The frame.
+            previous: Where the face was, None if it was not followed.
+        """
+        impatient = not 0 <= frame.time_s - self._kept_s < self._settings.patience_s
+        if self._kept is None or impatient:
+            return self._anybody(frame, previous)
+        found = self._aligner.follow(frame.rgb, previous or self._kept)
+        own = None if found is None else self.judged(frame, found)
+        return own or self._searched(frame, self._kept)
+
+    def judged(self, frame: Frame, found: Alignment) -> Alignment | None:
+        """Return what was found, covered landmarks with little confidence; None: it is hidden."""
+        seen = self._watch.judge(frame.rgb, found.mesh_px, found.rotation, frame.time_s)
+        if seen.hidden or not self._is_same(seen, found, frame.time_s):
+            return None
+        self._watch.accept(seen)
+        self._kept_s = frame.time_s
+        cover = float(seen.cover[:N_INTERNAL].mean())
+        if self._kept is None or cover < self._settings.sure:
+            self._kept, self._sure_s = found, frame.time_s
+        if not seen.cover.any():
+            return found
+        trust = 1.0 - (1.0 - self._settings.least_trust) * seen.cover
+        marks = found.landmarks
+        eyes = trust[_EYES].mean(axis=1)
+        landmarks = replace(
+            marks,
+            confidence=marks.confidence * trust,
+            pupil_confidence=marks.pupil_confidence * eyes,
+        )
+        return replace(found, landmarks=landmarks)
+
+    def _is_same(self, seen: Judged, found: Alignment, time_s: float) -> bool:
+        """Return whether a face can be the one that was surely seen last, by place or by looks."""
+        settings, kept = self._settings, self._kept
+        if kept is None or not self._watch.knows:
+            return True
+        size_px, before_px = _size_px(found), _size_px(kept)
+        now, since_s = settings.reach[0], time_s - self._sure_s
+        reach_px = (now + settings.reach[1] * since_s) * before_px
+        way = float(np.linalg.norm(found.region.center_px - kept.region.center_px))
+        growth = max(size_px / before_px, before_px / size_px)
+        if way < reach_px and growth < settings.growth + since_s:
+            return True
+        return float(seen.odd[:N_INTERNAL].mean()) < settings.alike
+
+    def _anybody(self, frame: Frame, previous: Alignment | None) -> Alignment | None:
+        """Return the face nearest to where one was, else the largest; get to know it if need be."""
+        found = self._aligner.follow(frame.rgb, previous)
+        if found is None:
+            return None
+        own = self.judged(frame, found)
+        if own is not None:
+            return own
+        self.forget()
+        return self.judged(frame, found)
+
+    def _searched(self, frame: Frame, kept: Alignment) -> Alignment | None:
+        """Return the known face wherever it is, None if it is not to be seen."""
+        for found in self._aligner.faces(frame.rgb, kept.region.center_px):
+            own = self.judged(frame, found)
+            if own is not None:
+                return own
+        return None
+
+
+def _size_px(found: Alignment) -> float:
+    """Return the larger side of the box around the internal landmarks."""
+    return float(np.ptp(found.landmarks.points_px[:N_INTERNAL], axis=0).max())
