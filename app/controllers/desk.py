@@ -10,6 +10,7 @@ app.controllers.live.
 """
 
 from app.controllers.arranging import Arranging
+from app.controllers.controlling import Controlling
 from app.controllers.helping import attach_help
 from app.controllers.live import LiveController
 from app.controllers.looking import Looking
@@ -39,6 +40,7 @@ def attach_panels(controller: LiveController, window: LiveWindow, tools: Tools) 
         tools: What the features need of the rest of the program.
     """
     attach_help(window)
+    Controlling(controller, window)
     Looking(controller, window)
     Playback(controller, window)
     TakesController(controller, window)

@@ -1,0 +1,255 @@
+"""The control panel at work: settings changed, kept, taken back; keys heard, live values shown."""
+
+import time
+from collections import deque
+from dataclasses import replace
+
+from PySide6.QtCore import QObject, QTimer
+
+from app.controllers.expression_hotkeys import ExpressionHotkeys
+from app.controllers.live import LiveController
+from app.drive_files import (
+    Kept,
+    SettingsUnwritableError,
+    delete_preset,
+    load_kept,
+    load_preset,
+    preset_names,
+    save_kept,
+    save_preset,
+)
+from app.errors import AppError
+from app.views.choice import Choice
+from app.views.control.control_panel import ControlPanel
+from app.views.control.response_model import Live
+from app.views.live_window import LiveWindow
+from core.drive_presets import FACES, KEYS, PRESETS
+from core.drive_settings import DriveSettings
+from core.response import learn_full
+
+#: Ten pictures of the live values per second.
+LIVE_EVERY_MS = 100
+#: Settings are kept when nothing was changed for so long.
+KEEP_AFTER_MS = 1000
+#: Changes of one setting within this time are taken back together.
+ONE_CHANGE_S = 2.0
+MOST_UNDONE = 100
+NO_FACE = "No face is tracked: look into the camera, then press it again."
+
+
+class Controlling(QObject):
+    """Joins the control panel with the drive; settings are kept for each profile and avatar."""
+
+    def __init__(self, controller: LiveController, window: LiveWindow) -> None:
+        """Add the panel and the keys to the live window, and use the settings that are kept."""
+        super().__init__(controller)
+        self._controller, self._window, self._drive = controller, window, controller.drive
+        faces = {key.name: key.weights for key in KEYS}
+        self.panel = ControlPanel({name: faces[name] for name in FACES})
+        window.add_panel("control", "&Control", self.panel, "Ctrl+K")
+        self._role = (controller.wanted.profile, controller.scene.avatar)
+        self._preset = ""
+        self._undo: deque[tuple[str, Kept]] = deque(maxlen=MOST_UNDONE)
+        self._last_change = ("", -ONE_CHANGE_S)
+        self._dirty = False
+        self._timer, self._keep_timer = QTimer(self), QTimer(self)
+        self._timer.setInterval(LIVE_EVERY_MS)
+        self._keep_timer.setSingleShot(True)
+        self._keep_timer.setInterval(KEEP_AFTER_MS)
+        self.hotkeys = ExpressionHotkeys(window, self)
+        self._connect_panel()
+        self._connect_live()
+        self._take_over(load_kept(*self._role))
+
+    @property
+    def kept(self) -> Kept:
+        """Settings and centre as they are now."""
+        return Kept(self._drive.settings, self._drive.centre)
+
+    def keep(self) -> None:
+        """Write what has changed."""
+        self._keep_timer.stop()
+        if not self._dirty:
+            return
+        self._dirty = False
+        try:
+            save_kept(*self._role, self.kept)
+        except SettingsUnwritableError as error:
+            self._window.message_bar.tell(str(error))
+
+    # -- wiring ---------------------------------------------------------------------------
+
+    def _connect_panel(self) -> None:
+        panel = self.panel
+        panel.changed.connect(self._on_changed)
+        panel.opened.connect(self._on_opened)
+        panel.feel.recentre_wanted.connect(self.recentre)
+        panel.feel.uncentre_wanted.connect(self._on_uncentre_wanted)
+        panel.responses.full_wanted.connect(self._on_full_wanted)
+        panel.responses.forget_wanted.connect(self._drive.forget_seen)
+        panel.keys.pressed.connect(self._drive.press)
+        panel.keys.released.connect(self._drive.release)
+        panel.keys.face_wanted.connect(self._on_face_wanted)
+        panel.presets.chosen.connect(self._on_preset_chosen)
+        panel.presets.save_wanted.connect(self._on_preset_named)
+        panel.presets.delete_wanted.connect(self._on_preset_deleted)
+        panel.presets.undo_wanted.connect(self.undo)
+
+    def _connect_live(self) -> None:
+        self.hotkeys.recentre_wanted.connect(self.recentre)
+        self.hotkeys.pressed.connect(self._drive.press)
+        self.hotkeys.released.connect(self._drive.release)
+        self._controller.profile_changed.connect(self._on_role_changed)
+        self._controller.avatar_changed.connect(self._on_role_changed)
+        self._controller.ending.connect(self.stop)
+        self._timer.timeout.connect(self._show_live)
+        self._keep_timer.timeout.connect(self.keep)
+
+    def stop(self) -> None:
+        """Keep what has changed; a centre that was learned by itself, too."""
+        self._timer.stop()
+        self._dirty |= self._drive.settings.centring.head or self._drive.settings.centring.face
+        self.keep()
+
+    # -- settings -------------------------------------------------------------------------
+
+    def apply(self, settings: DriveSettings, what: str) -> None:
+        """Use settings from now on, so that it can be taken back."""
+        if settings == self._drive.settings:
+            return
+        self._remember(what)
+        self._drive.use(settings)
+        self._show_settings()
+        self._keep_soon()
+
+    def undo(self) -> None:
+        """Take the last change back."""
+        if self._undo:
+            _, kept = self._undo.pop()
+            self._last_change = ("", -ONE_CHANGE_S)
+            self._drive.use(kept.settings)
+            self._drive.put_centre(kept.centre)
+            self._show_settings()
+            self._keep_soon()
+
+    def recentre(self) -> None:
+        """Take the next face for a head at its centre and a face at rest."""
+        self._remember("recentre")
+        self._drive.recentre()
+        self._keep_soon()
+
+    def _on_uncentre_wanted(self) -> None:
+        self._remember("forget the centre")
+        self._drive.put_centre(None)
+        self._keep_soon()
+
+    def _on_changed(self, settings: DriveSettings, what: str) -> None:
+        self.apply(settings, what)
+
+    def _on_full_wanted(self, rows: list[int] | None) -> None:
+        settings, now = self._drive.settings, self._drive.now
+        before = settings
+        for row in [None] if rows is None else rows:
+            settings = learn_full(settings, now, row)
+        if settings == before:
+            self._window.message_bar.tell(
+                "nothing was changed: make the face, hold it, and press the button again"
+            )
+        self.apply(settings, "100 %")
+
+    def _on_face_wanted(self, key: int) -> None:
+        face = self._drive.now
+        if not face.any():
+            self._window.message_bar.tell(NO_FACE)
+            return
+        self.panel.keys.take_face(key, face)
+
+    def _remember(self, what: str) -> None:
+        """Keep the present state for undo, unless the same setting is still on the move."""
+        now_s = time.monotonic()
+        last, then_s = self._last_change
+        if what != last or now_s - then_s > ONE_CHANGE_S:
+            self._undo.append((what, self.kept))
+        self._last_change = (what, now_s)
+
+    def _keep_soon(self) -> None:
+        self._dirty = True
+        self._keep_timer.start()
+        self.panel.presets.show_undo(self._undo[-1][0] if self._undo else "")
+
+    def _on_role_changed(self) -> None:
+        """Use what is kept for the profile and avatar that are chosen now."""
+        role = (self._controller.wanted.profile, self._controller.scene.avatar)
+        if role == self._role:
+            return
+        self.keep()
+        self._role = role
+        self._take_over(load_kept(*role))
+
+    def _take_over(self, kept: Kept) -> None:
+        self._undo.clear()
+        self._drive.use(kept.settings)
+        self._drive.put_centre(kept.centre)
+        self._show_settings()
+        self.panel.presets.show_undo("")
+        if kept.notes:
+            self._window.message_bar.tell("; ".join(kept.notes))
+
+    # -- presets --------------------------------------------------------------------------
+
+    def _on_preset_chosen(self, name: str) -> None:
+        kept = load_preset(name)
+        if kept.notes:
+            self._window.message_bar.tell("; ".join(kept.notes))
+        # Keys are one's own: another feeling shall not cost them.
+        settings = replace(kept.settings, keys=self._drive.settings.keys)
+        self._preset = name
+        self.apply(settings, f"preset {name}")
+        self._show_settings()
+
+    def _on_preset_named(self, name: str) -> None:
+        try:
+            save_preset(name, self._drive.settings)
+        except AppError as error:
+            self._window.message_bar.tell(str(error))
+            return
+        self._preset = name.strip()
+        self._show_settings()
+
+    def _on_preset_deleted(self, name: str) -> None:
+        delete_preset(name)
+        self._show_settings()
+
+    def _preset_in_use(self, names: list[str]) -> str:
+        """Return the preset whose settings, keys apart, are in use, or an empty text."""
+        now = self._drive.settings
+        for name in [self._preset, *PRESETS]:
+            if name in names and replace(load_preset(name).settings, keys=now.keys) == now:
+                return name
+        return ""
+
+    # -- showing --------------------------------------------------------------------------
+
+    def _show_settings(self) -> None:
+        self.panel.show_settings(self._drive.settings)
+        names = preset_names()
+        choices = [
+            Choice(name, name, PRESETS[name][0] if name in PRESETS else "") for name in names
+        ]
+        own = [name for name in names if name not in PRESETS]
+        self.panel.presets.show_presets(choices, own, self._preset_in_use(names))
+
+    def _on_opened(self, seen: bool) -> None:
+        """Show live values only to somebody who sees them."""
+        if seen:
+            self._timer.start()
+        else:
+            self._timer.stop()
+
+    def _show_live(self) -> None:
+        drive, panel = self._drive, self.panel
+        panel.feel.show_centre(drive.centre is not None)
+        if panel.responses.isVisible():
+            panel.responses.show_live(Live(drive.now, drive.shown, drive.seen))
+        if panel.keys.isVisible():
+            panel.keys.show_pressed(drive.keys_shown)

@@ -1,0 +1,1 @@
+"""The control panel: how the avatar follows the user."""
