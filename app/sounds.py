@@ -16,11 +16,8 @@ from app.resources import asset
 #: Player programs with their options, the best first; the file's path comes last.
 PLAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     "darwin": (("afplay",),),
-    "linux": (
-        ("pw-play",), ("paplay",), ("aplay", "-q"), ("play", "-q"),
-        ("ffplay", "-nodisp", "-autoexit", "-loglevel", "quiet"),
-    ),
-}  # fmt: skip
+    "linux": (("pw-play",), ("paplay",), ("aplay", "-q")),
+}
 #: A player that has hung this often is left alone.
 MOST_RUNNING = 4
 

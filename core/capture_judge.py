@@ -6,6 +6,7 @@ import numpy as np
 
 from core.frame_selection import sharpness
 from core.geometry import quaternion_from_matrix, rotation_facing_camera
+from core.ghost import Ghost
 from core.landmarks import N_INTERNAL
 from core.records import U8, FaceState, FloatArray, Frame, Landmarks2D
 from core.setup_plan import Shot
@@ -58,12 +59,14 @@ class Judgement:
         match: How far the face is from the prompt, None without a face or a prompt.
         shutter: What the shutter is doing.
         taken: The picture, once it is complete.
+        ghost: How the head is to be held, None where no picture of that helps.
     """
 
     advice: str
     match: Match | None
     shutter: ShutterState
     taken: Taken | None
+    ghost: Ghost | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +92,17 @@ class CaptureJudge:
         self._best: Taken | None = None
         self._rest: FloatArray | None = None
         self._seat_mm: FloatArray | None = None
+        self._facing_wxyz = np.array([1.0, 0.0, 0.0, 0.0])
+
+    @property
+    def shot(self) -> Shot | None:
+        """The prompt that is waited for."""
+        return self._shot
+
+    @property
+    def facing_wxyz(self) -> FloatArray:
+        """How the head (4,) is turned when this person looks straight ahead, as last measured."""
+        return self._facing_wxyz
 
     def ask(self, shot: Shot | None) -> None:
         """Wait for another prompt to be followed; None takes no pictures."""
@@ -145,7 +159,8 @@ class CaptureJudge:
     def _match(self, state: FaceState, seen: Landmarks2D | None, frame_s: float) -> Match | None:
         if seen is None:
             return None
-        self._angles = head_angles(state.rotation_wxyz, self._facing(state))
+        self._facing_wxyz = self._facing(state)
+        self._angles = head_angles(state.rotation_wxyz, self._facing_wxyz)
         if self._shot is None:
             return None
         tried_s = 0.0 if np.isnan(self._asked_s) else frame_s - self._asked_s

@@ -108,6 +108,11 @@ class FreeTracker:
         self._last = resting_state("free")
 
     @property
+    def model(self) -> FaceModel:
+        """The face model."""
+        return self._model
+
+    @property
     def camera(self) -> Camera:
         """The camera in pixels of the last frame, as far as it is known."""
         return seen_by(self._faces.head.camera, self._size_px)

@@ -1,17 +1,20 @@
 """What the capture page needs of the rest of the program: sources, and a tracker that judges."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from queue import SimpleQueue
 from typing import Protocol
 
 from app.capture.source import FrameSource
+from app.controllers.announcing import Speaker
 from app.controllers.player import Performer
 from app.controllers.scene import Studio
 from app.views.choice import Choice
 from app.workers.latest import Latest
 from core.capture_judge import CaptureJudge, Judgement, Taken
 from core.free_live import FreeTracker
-from core.records import U8, FaceState, Frame
+from core.ghost import Ghost, GhostHead
+from core.records import U8, FaceState, FloatArray, Frame
 
 #: Frames between two looks for other people.
 LOOK_AROUND_EVERY = 15
@@ -30,6 +33,10 @@ class Tools(Studio, Protocol):
 
     def open_source(self, key: str, began_again: Callable[[], None]) -> FrameSource:
         """Open a source."""
+        ...
+
+    def make_speaker(self) -> Speaker:
+        """Return what plays sounds."""
         ...
 
     def prompt(self, name: str) -> None:
@@ -51,6 +58,8 @@ class CaptureTracker:
         self.judged: Latest[Judgement] = Latest()
         self.taken: SimpleQueue[Taken] = SimpleQueue()
         self._frames, self._rivals = 0, 0
+        self._ghosts = GhostHead(tracker.model)
+        self._known: tuple[object, FloatArray] | None = None
 
     def step(self, frame: Frame) -> FaceState:
         """Return the face in a frame."""
@@ -59,10 +68,22 @@ class CaptureTracker:
             self._rivals = self._count_rivals(frame.rgb)
         self._frames += 1
         judgement = self._judge.step(frame, state, self._tracker.looked, self._rivals)
+        judgement = replace(judgement, ghost=self._ghost(judgement, state))
         self.judged.put(judgement)
         if judgement.taken is not None:
             self.taken.put(judgement.taken)
         return state
+
+    def _ghost(self, judgement: Judgement, state: FaceState) -> Ghost | None:
+        """Return how the head is to be held, as long as it is held otherwise."""
+        shot, matched = self._judge.shot, judgement.match
+        if shot is None or matched is None or matched.pose:
+            return None
+        if self._known is None or self._known[0] is not shot:
+            # Asking for the face takes some milliseconds: once a prompt is enough.
+            self._known = shot, self._tracker.user.neutral_mm
+        facing = self._judge.facing_wxyz
+        return self._ghosts.ghost(shot, self._known[1], facing, state, self._tracker.camera)
 
     def reset(self) -> None:
         """Forget the past, as after a cut."""

@@ -4,50 +4,33 @@ from queue import Empty
 
 import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
-from PySide6.QtWidgets import QApplication
 
+from app.controllers.announcing import Announcer
 from app.controllers.capture_tools import CaptureOpener, Tools
-from app.controllers.editing import title_of
+from app.controllers.contact import cell_of
 from app.controllers.player import Player, Wanted
-from app.controllers.scene import AvatarScene
+from app.controllers.prompts import ORDER, PLANS, QUICK, Prompts, told
+from app.controllers.target import Target
 from app.errors import AppError
 from app.setup_steps import unseen
 from app.views.choice import Choice
 from app.views.picture_view import image_from_array
 from app.views.setup.capture_page import CapturePage
-from app.views.setup.contact_sheet import CELL, SheetCell
+from app.views.setup.contact_sheet import CELL
 from app.views.setup.guide_view import Guide
 from app.workbook import Workbook, thumbnail
-from app.workers.avatar_loop import Painted
 from app.workers.live_loop import LiveResult
 from core.capture_judge import CaptureJudge, Judgement, Taken, weakness
 from core.errors import CoreError
-from core.geometry import matrix_from_head_angles, quaternion_from_matrix
-from core.live import resting_state
 from core.records import FaceState, Frame
-from core.setup_plan import SHOTS, Shot
+from core.setup_plan import Shot, shot_of
 from core.shot_quality import ADVICE
 
+__all__ = ["ORDER", "QUICK", "CaptureController", "told"]
 
-def _rank(shot: Shot) -> tuple[int, float]:
-    if shot.expression_name != "neutral":
-        return 5, 0.0
-    if shot.yaw:
-        return (1 if shot.yaw < 0 else 2), abs(shot.yaw)
-    return (3 if shot.pitch else 4 if shot.roll else 0), 0.0
-
-
-#: All prompts, head turns from the front outwards: a face that was seen once is found again.
-ORDER: tuple[Shot, ...] = tuple(sorted(SHOTS, key=_rank))
-#: The quick subset: small head turns, and each expression from the front.
-QUICK: tuple[str, ...] = (
-    "pose_yaw+0", "pose_yaw-30", "pose_yaw+30", "pose_pitch-15", "pose_pitch+15",
-    *(shot.name for shot in SHOTS if shot.expression_name != "neutral" and shot.yaw == 0.0),
-)  # fmt: skip
-#: The avatar that shows what is asked for.
-MODEL_AVATAR = "nora"
-TARGET_EVERY_MS, TURN_S, STAY_S = 40, 0.9, 1.6
-FLASH_FRAMES = 8
+#: A camera that is lost or busy is tried again so often; whether one waits is looked at as often.
+RETRY_MS, TROUBLE_MS = 1500, 300
+NO_CAMERA = "No camera was found: choose a source above"
 
 
 class CaptureController(QObject):
@@ -58,59 +41,71 @@ class CaptureController(QObject):
     def __init__(self, page: CapturePage, tools: Tools, parent: QObject | None = None) -> None:
         super().__init__(parent or page)
         self._page, self._tools = page, tools
-        self._judge = CaptureJudge()
+        self._judge, self._prompts = CaptureJudge(), Prompts()
         self._book: Workbook | None = None
         self._shot: Shot | None = None
-        self._last, self._source, self._files = "", "", list[str]()
-        self._quick, self._paused, self._flash = False, False, 0
-        self._skipped: set[str] = set()
+        self._last, self._source, self._paused = "", "", False
         self._opener = CaptureOpener(tools, self._judge)
         self._player = Player(self._opener, self._on_solved, self)
-        self._scene = AvatarScene(tools, MODEL_AVATAR, self)
-        self._timer, self._phase_s = QTimer(self), 0.0
+        self._target = Target(page.target, tools, self)
+        self.announcer = Announcer(tools.make_speaker())
+        self._retry, self._watch = QTimer(self), QTimer(self)
+        self._retry.setSingleShot(True)
         self._connect()
 
     # -- begin and end -------------------------------------------------------------------
 
-    def start(self, book: Workbook, source: str = "") -> None:
+    def start(self, book: Workbook, source: str = "", sound: bool = True) -> None:
         """Take pictures for a workbook, from a source or the first camera."""
         self._book = book
-        self._page.sheet.show_cells([self._cell(shot.name) for shot in ORDER])
-        for shot in ORDER:
-            self._show_cell(shot.name)
-        self._scene.enter(None)
-        self._timer.start(TARGET_EVERY_MS)
+        self.announcer.hear(sound)
+        self._page.show_sound(sound)
+        self._target.start()
+        self._watch.start(TROUBLE_MS)
+        self._page.plans.show_choices(PLANS, self._prompts.key)
+        self._show_sheet()
         self._ask_next()
         cameras = self._tools.cameras()
         self.play(source or (cameras[0].key if cameras else ""))
 
     def stop(self) -> None:
         """Close the source and end all threads; what was taken is already kept."""
-        self._timer.stop()
+        self._retry.stop()
+        self._watch.stop()
         self._judge.ask(None)
         self._player.stop()
-        self._scene.stop()
+        self._target.stop()
+        self.announcer.stop()
 
     def play(self, source: str) -> None:
         """Look through another camera."""
         self._source = source
         self._show_sources()
         self._page.live.show_image(None)
-        text = "Opening the camera…" if source else "No camera was found: choose a source above"
+        text = "Opening the camera…" if source else NO_CAMERA
         self._page.live.show_guide(Guide(advice=text))
+        self._retry.stop()
         self._player.play(Wanted(source, "") if source else None)
+
+    def choose(self, plan: str) -> None:
+        """Ask for other pictures: a key of PLANS."""
+        self._prompts.choose(plan, self._there)
+        self._page.plans.show_choices(PLANS, plan)
+        self._show_sheet()
+        self._ask_next()
 
     def _connect(self) -> None:
         page, player = self._page, self._player
         page.wished.connect(self._on_wish)
         page.source_chosen.connect(self.play)
         page.sources_wanted.connect(self._show_sources)
-        page.quick_wanted.connect(self._on_quick)
+        page.plan_chosen.connect(self.choose)
+        page.sound_wanted.connect(self.announcer.hear)
         page.sheet.chosen.connect(self._on_cell)
         player.framed.connect(self._on_framed)
         player.failed.connect(self._on_failed)
-        self._scene.painted.connect(self._on_painted)
-        self._timer.timeout.connect(self._animate)
+        self._retry.timeout.connect(lambda: self._player.play(Wanted(self._source, "")))
+        self._watch.timeout.connect(self._on_watch)
 
     # -- prompts -------------------------------------------------------------------------
 
@@ -125,47 +120,56 @@ class CaptureController(QObject):
         return self._shot
 
     @property
-    def wanted(self) -> tuple[str, ...]:
-        """The prompts of this session."""
-        return QUICK if self._quick else tuple(shot.name for shot in ORDER)
+    def missing(self) -> list[str]:
+        """The prompts of this session without a picture."""
+        return self._prompts.missing(self._there)
 
     @property
-    def missing(self) -> list[str]:
-        """Those without a picture."""
-        there = self._book.names if self._book is not None else ()
-        return [name for name in self.wanted if name not in there]
+    def _there(self) -> tuple[str, ...]:
+        return self._book.names if self._book is not None else ()
 
     def _ask_next(self) -> None:
-        missing = self.missing
-        left = [name for name in missing if name not in self._skipped]
-        self._ask(left[0] if left else None)
+        self._ask(self._prompts.next(self._there))
 
     def _ask(self, name: str | None) -> None:
-        self._shot = next((shot for shot in SHOTS if shot.name == name), None)
+        self._shot = self._prompts.shot(name)
         self._judge.ask(self._shot)
-        self._phase_s = 0.0
+        self._target.aim(self._shot)
         if self._shot is None:
             self._page.show_prompt(*self._nothing_left())
         else:
-            self._page.show_prompt(*told(self._shot))
+            title, instruction = told(self._shot)
+            first = self._prompts.request if len(self.missing) == len(self._prompts.wanted) else ""
+            self._page.show_prompt(title, f"{first}. {instruction}" if first else instruction)
             self._page.sheet.show_current(self._shot.name)
-            self._tools.prompt(self._shot.name)
+            base = shot_of(self._shot.name)
+            self._tools.prompt(base.name if base is not None else self._shot.name)
         self._show_progress()
 
     def _nothing_left(self) -> tuple[str, str]:
         if self.missing:
             return "Done, but for those skipped", "Click one below to take it, or go on."
-        return "All pictures are taken", "Click one below to take it again, or go on."
+        weak = self._weak()
+        if weak:
+            return "All pictures are taken", (
+                f"{weak} of them are weak: click one below to take it again, or go on."
+            )
+        return "All pictures are taken", (
+            "Go on, or choose more pictures above: another light, with glasses, with a hand."
+        )
+
+    def _weak(self) -> int:
+        return sum(cell.state == "weak" for cell in self._page.sheet.cells())
 
     def _show_progress(self) -> None:
-        total = len(self.wanted)
-        self._page.show_progress(total - len(self.missing), total)
+        total = len(self._prompts.wanted)
+        self._page.show_progress(total - len(self.missing), total, self._weak())
 
     def _on_wish(self, key: str) -> None:
         if self._shot is not None and key == "shoot":
             self._judge.shoot_now()
         elif self._shot is not None and key == "skip":
-            self._skipped.add(self._shot.name)
+            self._prompts.skip(self._shot.name)
             self._ask_next()
         elif key == "retake" and self._last:
             self._ask(self._last)
@@ -174,12 +178,8 @@ class CaptureController(QObject):
             self._judge.pause(self._paused)
             self._page.show_paused(self._paused)
 
-    def _on_quick(self, quick: bool) -> None:
-        self._quick = quick
-        self._ask_next()
-
     def _on_cell(self, name: str) -> None:
-        self._skipped.discard(name)
+        self._prompts.skip(name, skipped=False)
         self._ask(name)
 
     # -- live ----------------------------------------------------------------------------
@@ -191,30 +191,46 @@ class CaptureController(QObject):
         tracker = self._opener.tracker
         judged = tracker.judged.take() if tracker is not None else None
         self._page.live.show_image(image_from_array(result.frame.rgb))
+        self.announcer.back()
         if judged is not None:
-            self._show_guide(judged)
+            self._show_guide(judged, result.frame.time_s)
         while tracker is not None:
             try:
                 self._keep(tracker.taken.get_nowait())
             except Empty:
                 break
 
-    def _show_guide(self, judged: Judgement) -> None:
-        self._flash = max(self._flash - 1, 0)
-        flash, advice = self._flash > 0, ADVICE.get(judged.advice, "")
+    def _show_guide(self, judged: Judgement, time_s: float) -> None:
+        advice = ADVICE.get(judged.advice, "")
         if self._paused:
-            guide = Guide(advice="Paused: no pictures are taken", flash=flash)
+            guide = Guide(advice="Paused: no pictures are taken")
         elif judged.match is None or self._shot is None:
-            guide = Guide(held=judged.shutter.held, advice=advice, flash=flash)
+            guide = Guide(held=judged.shutter.held, advice=advice)
         else:
             yaw, pitch, roll = (float(x) for x in np.rad2deg(judged.match.turn_rad))
-            guide = Guide(yaw, pitch, roll, judged.shutter.held, advice, flash)
-        self._page.live.show_guide(guide)
+            found = judged.ghost
+            ghost = () if found is None else (found.outline_px, *found.curves_px)
+            guide = Guide(yaw, pitch, roll, judged.shutter.held, advice, ghost=ghost)
+            self.announcer.hold(judged.shutter, time_s)
+        self._page.live.show_guide(self.announcer.with_news(guide))
 
     def _on_failed(self, error: CoreError | AppError) -> None:
+        """Say what is wrong; a camera is tried again by itself until it is back."""
+        self.announcer.lost()
+        again = self._source.startswith("camera")
+        hint = "It goes on by itself when it is back." if again else "Choose it again to go on."
         self._page.live.show_image(None)
-        self._page.live.show_guide(Guide(advice=f"{error}. Choose the camera again to go on."))
+        self._page.live.show_guide(Guide(advice=f"{error}. {hint}"))
         self._show_sources()
+        if again:
+            self._retry.start(RETRY_MS)
+
+    def _on_watch(self) -> None:
+        """Tell of a camera that is waited for: it gives no frames and no error."""
+        trouble = self._player.trouble
+        if trouble:
+            self.announcer.lost()
+            self._page.live.show_guide(Guide(advice=trouble))
 
     def _keep(self, taken: Taken) -> None:
         book = self._book
@@ -227,11 +243,11 @@ class CaptureController(QObject):
         except CoreError as error:
             self._page.live.show_guide(Guide(advice=str(error)))
             return
-        self._last, self._flash = taken.shot.name, FLASH_FRAMES
-        QApplication.beep()
+        self._last = taken.shot.name
         self._show_cell(taken.shot.name)
         if self._shot is not None and self._shot.name == taken.shot.name:
             self._ask_next()
+        self.announcer.taken(why, last=self._shot is None and not self.missing)
         self.changed.emit()
 
     # -- what is shown -------------------------------------------------------------------
@@ -242,45 +258,14 @@ class CaptureController(QObject):
             known.append(Choice(self._source, self._source))
         self._page.sources.show_choices(known, self._source)
 
-    def _cell(self, name: str) -> SheetCell:
-        book = self._book
-        if book is None or name not in book.names:
-            return SheetCell(name, title_of(name), "missing", "not taken yet; click to take it")
-        weak = str(book.quality(name).get("weak", ""))
-        note = f"{weak}; click to take it again" if weak else "good; click to take it again"
-        return SheetCell(name, title_of(name), "weak" if weak else "good", note)
+    def _show_sheet(self) -> None:
+        shots = self._prompts.shots
+        self._page.sheet.show_cells([cell_of(self._book, shot.name) for shot in shots])
+        for shot in shots:
+            self._show_cell(shot.name)
 
     def _show_cell(self, name: str) -> None:
         thumb = None
-        if self._book is not None and name in self._book.names:
+        if self._book is not None and name in self._there:
             thumb = image_from_array(thumbnail(self._book.image(name), 2 * CELL.width()))
-        self._page.sheet.show_cell(self._cell(name), thumb)
-
-    def _animate(self) -> None:
-        """Let the avatar go from a neutral face to what is asked for, and stay there a while."""
-        self._phase_s = (self._phase_s + TARGET_EVERY_MS / 1000) % (TURN_S + STAY_S)
-        share = min(self._phase_s / TURN_S, 1.0)
-        self._scene.show(target_state(self._shot, share * share * (3 - 2 * share)), 0.0)
-
-    def _on_painted(self, painted: Painted) -> None:
-        self._page.target.show_image(image_from_array(painted.picture))
-
-
-def told(shot: Shot) -> tuple[str, str]:
-    """Return what a prompt asks for, in short and in full."""
-    face, _, turn = shot.instruction.rstrip(".").rpartition(", and ")
-    if shot.expression_name == "neutral":
-        return turn[:1].upper() + turn[1:], f"{face}."
-    return face, f"Meanwhile, {turn}."
-
-
-def target_state(shot: Shot | None, share: float) -> FaceState:
-    """Return a share of what a prompt asks for, as its mirror image: the user copies a mirror."""
-    rest = resting_state("free")
-    if shot is None:
-        return rest
-    angles = share * np.array([shot.yaw, shot.pitch, shot.roll])
-    return FaceState(
-        0.0, quaternion_from_matrix(matrix_from_head_angles(*angles)), np.array([0, 0, 600.0]),
-        share * shot.standard, rest.gaze_rad, rest.shape_mm, rest.landmarks_px, 1.0, "free", False,
-    )  # fmt: skip
+        self._page.sheet.show_cell(cell_of(self._book, name), thumb)

@@ -5,6 +5,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+from PySide6.QtWidgets import QApplication
 
 from app.capture.choose import camera_number
 from app.capture.holding import Held
@@ -18,6 +19,7 @@ from app.profiles import data_folder, profile_folder
 from app.setup_memory import SetupChoices, load_choices, save_choices
 from app.setup_steps import rivals
 from app.shelf import Shelf
+from app.sounds import Speaker
 from app.views.choice import Choice
 from app.workbook import Workbook, first_fit
 from core.free_live import FreeTracker
@@ -81,6 +83,10 @@ class SetupTools(Toolbox):
     def keep_choices(self, choices: SetupChoices) -> None:
         """Remember what the user has chosen."""
         save_choices(_choices_path(), choices)
+
+    def make_speaker(self) -> Speaker:
+        """Return what plays sounds."""
+        return Speaker(QApplication.beep)
 
     def prompt(self, name: str) -> None:
         """Let a performer who stands in for a camera know what is asked for."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Generator
 from dataclasses import replace
-from typing import Protocol
+from typing import Any, Protocol
 
 from PySide6.QtCore import QObject, Signal
 
@@ -29,6 +29,12 @@ DELETED = (
     "The pictures of {name} were deleted: there are no landmarks to look at. The trained model is "
     f"kept and follows your face. To improve it take at least {LEAST_PICTURES} new pictures; a "
     "training then uses these alone."
+)
+
+COPIED = (
+    "{name} begins with all pictures of the profile that was copied. Add some as you look now: "
+    "choose them above (with glasses, another light), or click a picture below to take it again; "
+    "then train."
 )
 
 
@@ -133,7 +139,7 @@ class SetupController(QObject):
         window.next_button.clicked.connect(self._next)
         window.closing.connect(self.stop)
         window.start.chosen.connect(self._open)
-        self.shelving.copied.connect(self._open)
+        self.shelving.copied.connect(self._open_copy)
         self.shelving.failed.connect(window.message_bar.tell)
         self.camera.changed.connect(self._on_camera)
         self.capturing.changed.connect(self._unlock)
@@ -154,6 +160,12 @@ class SetupController(QObject):
         # Who goes on has chosen a camera before; new people are to see theirs first.
         self.show("capture" if self._book.names else "camera")
 
+    def _open_copy(self, name: str) -> None:
+        """Go on with a copy that was made for another look."""
+        self._open(name)
+        if not self._window.message_bar.text:
+            self._window.message_bar.announce(COPIED.format(name=name))
+
     def _release(self, name: str) -> None:
         """End all work on a profile of which something is about to be deleted."""
         if self._book is not None and self._book.folder.name == name:
@@ -166,7 +178,7 @@ class SetupController(QObject):
         if self._step == "camera":
             self.camera.start(self._source or self._usual_camera(), self._choices.hold)
         elif self._step == "capture":
-            self.capturing.start(book, self._source or self._usual_camera())
+            self.capturing.start(book, self._source or self._usual_camera(), self._choices.sound)
         elif self._step == "check":
             self._fit(book, picture)
         elif self._step == "train":
@@ -180,6 +192,7 @@ class SetupController(QObject):
         elif self._step == "capture":
             self.capturing.stop()
             self._source = self.capturing.source or self._source
+            self._keep(sound=self.capturing.announcer.heard)
         elif self._step == "check":
             self._end_job()
             if self._editor is not None:
@@ -230,8 +243,13 @@ class SetupController(QObject):
         self._source = self.camera.chosen or self._source
         names = {camera.key: camera.text for camera in self._tools.cameras()}
         name = names.get(self._source, self._choices.camera)
-        self._choices = replace(self._choices, camera=name, hold=self.camera.hold_wanted)
-        self._tools.keep_choices(self._choices)
+        self._keep(camera=name, hold=self.camera.hold_wanted)
+
+    def _keep(self, **chosen: Any) -> None:
+        choices = replace(self._choices, **chosen)
+        if choices != self._choices:
+            self._choices = choices
+            self._tools.keep_choices(choices)
 
     # -- landmarks -----------------------------------------------------------------------
 

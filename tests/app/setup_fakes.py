@@ -45,7 +45,8 @@ class FakeCaptureTracker:
         shot = self.judge._shot
         turn = Match(np.deg2rad(self.tools.turn_deg), False, True, 1.0)
         state = ShutterState("holding", 0.4, False)
-        self.last = Judgement(self.tools.advice, turn if shot else None, state, None)
+        ghost = self.tools.ghost
+        self.last = Judgement(self.tools.advice, turn if shot else None, state, None, ghost)
         if shot is not None and (self.tools.obeys or self.judge._now_wanted):
             self.judge._now_wanted = False
             if not self.judge._paused:
@@ -93,6 +94,20 @@ class FakeCamera:
         self.close()
 
 
+class FakeSpeaker:
+    """Remembers what was to be heard."""
+
+    def __init__(self):
+        self.muted, self.played = False, []
+
+    def play(self, name):
+        if not self.muted:
+            self.played.append(name)
+
+    def close(self):
+        pass
+
+
 class FakeTools(FakeToolbox):
     def __init__(self, root, landmarks, cameras=(CAMERA,)):
         super().__init__(cameras)
@@ -100,6 +115,7 @@ class FakeTools(FakeToolbox):
         self.obeys, self.turn_deg, self.advice, self.quality = False, (0.0, 0.0, 0.0), "", {}
         self.prompted, self.trained_with = [], []
         self.chosen, self.held = SetupChoices(), {}
+        self.speaker, self.ghost = FakeSpeaker(), None
         self.names, self.flat, self.cameras_open = {}, set(), {}
 
     def cameras(self):
@@ -117,6 +133,9 @@ class FakeTools(FakeToolbox):
 
     def keep_held(self, key, held):
         self.held[key] = held
+
+    def make_speaker(self):
+        return self.speaker
 
     def choices(self):
         return self.chosen

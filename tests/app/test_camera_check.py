@@ -188,7 +188,7 @@ def test_a_source_with_nothing_to_hold_says_so(qtbot, setup):
     # The flat fake cannot be held; its pictures of one grey are no matter here.
     qtbot.waitUntil(lambda: setup.controller.camera.ready, timeout=5000)
     setup.controller.camera._hold.step("", 0.0)
-    setup.controller.camera._hold.step("", GOOD_S)
+    setup.controller.camera._hold.step("", GOOD_S + 60.0)
     qtbot.waitUntil(lambda: page.held.text() == NEEDS_NONE, timeout=5000)
 
 

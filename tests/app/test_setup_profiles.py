@@ -99,6 +99,7 @@ def test_a_copy_for_glasses_is_opened_with_all_pictures(setup):
         assert dialog.copy_button.isEnabled() == enabled
     dialog.copy_button.click()
     assert "me lamp" in setup.window.windowTitle()
+    assert "as you look now" in setup.window.message_bar.text
     assert Workbook(setup.root / "me lamp", nothing).names == load(setup.root / "me").names
 
 

@@ -1,5 +1,7 @@
 """Facts about the guided setup, on real widgets with a camera and a face of our own."""
 
+import re
+
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
@@ -10,8 +12,8 @@ from app.errors import AppError
 from app.views.setup.setup_window import STEPS
 from app.workbook import Workbook
 from core.generations import ProfileUnwritableError
+from core.ghost import Ghost
 from core.setup_plan import SHOTS
-from tests.app.live_fakes import CAMERA
 from tests.app.setup_fakes import begin, close, open_setup, seen_people, shoot
 
 SPACE, BACKSPACE = Qt.Key.Key_Space, Qt.Key.Key_Backspace
@@ -123,19 +125,24 @@ def test_a_weak_picture_says_why(qtbot, setup):
     setup.tools.quality = {"trouble": "dark"}
     shoot(qtbot, setup, 1)
     assert page.sheet.states()["pose_yaw+0"] == "weak"
-    assert "dark" in page.sheet.item(0).toolTip()
+    assert "too dark" in page.sheet.item(0).toolTip()
+    assert page.sheet.cells()[0].why == "too dark" and page.sheet.cells()[-1].why == ""
+    assert "too dark" in page.live.guide.news and not page.live.guide.good
+    assert (
+        re.search(r"\d weak", page.progress.format()) and setup.tools.speaker.played[-1] == "weak"
+    )
     close(setup)
 
 
 def test_the_quick_subset_leaves_the_rest_for_later(qtbot, setup):
     page = begin(qtbot, setup)
-    page.quick_box.setChecked(True)
+    page.plan_chosen.emit("quick")
     shoot(qtbot, setup, 20)
     qtbot.waitUntil(lambda: setup.controller.capturing.shot is None, timeout=5000)
     states = page.sheet.states()
     assert {name for name, state in states.items() if state != "missing"} == set(QUICK)
     assert page.title.text() == "All pictures are taken"
-    page.quick_box.setChecked(False)
+    page.plan_chosen.emit("all")
     assert setup.controller.capturing.shot is not None
     close(setup)
 
@@ -173,11 +180,62 @@ def test_a_camera_that_is_lost_is_told_and_comes_back(qtbot, setup):
     kept = sum(state != "missing" for state in page.sheet.states().values())
     setup.tools.read_error = AppError("the camera was unplugged")
     qtbot.waitUntil(lambda: "unplugged" in page.live.guide.advice, timeout=5000)
+    assert setup.tools.speaker.played[-1] == "trouble"
     setup.tools.read_error = None
-    page.source_chosen.emit(CAMERA)
+    # Nobody touches anything: it goes on by itself.
     qtbot.waitUntil(lambda: page.live._image is not None, timeout=5000)
     assert sum(state != "missing" for state in page.sheet.states().values()) >= kept
     shoot(qtbot, setup, kept + 3)
+    close(setup)
+
+
+def test_sounds_say_to_hold_still_and_that_a_picture_was_taken(qtbot, setup):
+    page = begin(qtbot, setup)
+    qtbot.waitUntil(lambda: setup.tools.speaker.played == ["hold"], timeout=5000)
+    shoot(qtbot, setup, 1)
+    assert "taken" in setup.tools.speaker.played
+    assert page.live.guide.news == "✓ Taken" and page.live.guide.good
+    page.sound_box.click()
+    before = list(setup.tools.speaker.played)
+    shoot(qtbot, setup, 4)
+    assert setup.tools.speaker.played == before
+    close(setup)
+    assert not setup.tools.chosen.sound
+
+
+def test_a_ghost_shows_how_the_head_is_to_be_held(qtbot, setup):
+    page = begin(qtbot, setup)
+    left = np.array([[8.0, 10.0], [20.0, 10.0], [20.0, 30.0], [8.0, 30.0]])
+    setup.tools.ghost = Ghost(left, (left[:2] + 3,))
+    qtbot.waitUntil(lambda: len(page.live.guide.ghost) == 2, timeout=5000)
+    with_ghost, area = page.live.grab().toImage(), page.live.picture_rect()
+    setup.tools.ghost = None
+    qtbot.waitUntil(lambda: page.live.guide.ghost == (), timeout=5000)
+    without = page.live.grab().toImage()
+    changed = [
+        x for x in range(0, without.width(), 2) for y in range(0, without.height(), 2)
+        if without.pixelColor(x, y).lightness() + 60 < with_ghost.pixelColor(x, y).lightness()
+    ]  # fmt: skip
+    # The lines on the left of the picture are on the right of the mirror.
+    assert changed and min(changed) > area.center().x()
+    close(setup)
+
+
+def test_more_pictures_are_asked_for_by_sets(qtbot, setup):
+    page = begin(qtbot, setup)
+    row = page.plans.keys.index("glasses")
+    page.plans.setCurrentIndex(row)
+    page.plans.activated.emit(row)
+    names = [cell.name for cell in page.sheet.cells()]
+    assert names[0] == "glasses~pose_yaw+0" and len(names) < 20
+    assert "Put them on" in page.instruction.text()
+    assert page.sheet.cells()[0].title.startswith("glasses: ")
+    assert setup.tools.prompted[-1] == "pose_yaw+0"
+    setup.tools.obeys = True
+    qtbot.waitUntil(lambda: setup.controller.capturing.shot is None, timeout=20000)
+    setup.tools.obeys = False
+    assert set(Workbook(setup.root / "me", lambda rgb: None).names) >= set(names)
+    assert setup.tools.speaker.played[-1] == "done"
     close(setup)
 
 
@@ -263,7 +321,7 @@ def test_a_picture_of_the_report_opens_in_the_editor(qtbot, setup):
 
 def test_every_control_has_a_name(setup):
     page = setup.window.capture
-    for widget in (page.live, page.target, page.sheet, page.sources, page.progress):
+    for widget in (page.live, page.target, page.sheet, page.sources, page.plans, page.progress):
         assert widget.accessibleName()
     assert all(button.text() for button in page.buttons.values())
 

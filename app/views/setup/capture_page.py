@@ -32,11 +32,12 @@ class CapturePage(QWidget):
     wished = Signal(str)  # key of WISHES
     source_chosen = Signal(str)
     sources_wanted = Signal()
-    quick_wanted = Signal(bool)
+    plan_chosen = Signal(str)
+    sound_wanted = Signal(bool)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.sources = Chooser("Camera")
+        self.sources, self.plans = Chooser("Camera"), Chooser("Which pictures")
         self.live, self.target = GuideView("Live picture"), PictureView("What is asked for")
         self.live.setMinimumSize(320, 240)
         self.target.set_mirrored(True)
@@ -44,24 +45,33 @@ class CapturePage(QWidget):
         self.title, self.instruction = QLabel(), QLabel()
         self.progress = QProgressBar()
         self.progress.setAccessibleName("Pictures taken")
-        self.quick_box = QCheckBox("&Quick: 20 pictures now, the rest later")
+        self.sound_box = QCheckBox("S&ound")
+        self.sound_box.setToolTip("Let hear when to hold still and when a picture was taken")
         self.buttons: dict[str, QPushButton] = {}
         self.actions_by_key: dict[str, QAction] = {}
         self._build()
         self.sources.chosen.connect(self.source_chosen)
         self.sources.list_wanted.connect(self.sources_wanted)
-        self.quick_box.toggled.connect(self.quick_wanted)
+        self.plans.chosen.connect(self.plan_chosen)
+        self.sound_box.toggled.connect(self.sound_wanted)
 
     def show_prompt(self, title: str, instruction: str) -> None:
         """Say what is asked for."""
         self.title.setText(title)
         self.instruction.setText(instruction)
 
-    def show_progress(self, taken: int, total: int) -> None:
-        """Say how many pictures are taken."""
+    def show_progress(self, taken: int, total: int, weak: int = 0) -> None:
+        """Say how many pictures are taken, and how many of them are weak."""
         self.progress.setRange(0, max(total, 1))
         self.progress.setValue(taken)
-        self.progress.setFormat(f"{taken} of {total} pictures")
+        noted = f", {weak} weak" if weak else ""
+        self.progress.setFormat(f"{taken} of {total} pictures{noted}")
+
+    def show_sound(self, heard: bool) -> None:
+        """Show whether sounds are heard."""
+        self.sound_box.blockSignals(True)
+        self.sound_box.setChecked(heard)
+        self.sound_box.blockSignals(False)
 
     def show_paused(self, paused: bool) -> None:
         """Say whether pictures are taken."""
@@ -77,15 +87,18 @@ class CapturePage(QWidget):
         self.instruction.setAlignment(Qt.AlignmentFlag.AlignTop)
         head = QHBoxLayout()
         head.addWidget(self.title, stretch=1)
-        head.addWidget(QLabel("Camera"))
-        head.addWidget(self.sources)
+        for text, chooser in (("P&ictures", self.plans), ("&Camera", self.sources)):
+            label = QLabel(text)
+            label.setBuddy(chooser)
+            head.addWidget(label)
+            head.addWidget(chooser)
         views = QHBoxLayout()
         views.addWidget(self.live, stretch=3)
         views.addWidget(self.target, stretch=2)
         foot = QHBoxLayout()
         for key, (text, keys, meaning) in WISHES.items():
             foot.addWidget(self._button(key, text, keys, meaning))
-        foot.addWidget(self.quick_box)
+        foot.addWidget(self.sound_box)
         foot.addWidget(self.progress, stretch=1)
         self.sheet.setFixedHeight(146)
         layout = QVBoxLayout(self)

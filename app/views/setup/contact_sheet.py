@@ -21,6 +21,7 @@ CELL = QSize(78, 62)
 COLORS = {
     "missing": QColor(120, 124, 130), "good": QColor(0, 158, 115), "weak": QColor(230, 159, 0),
 }  # fmt: skip
+WRAPPED = int(Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap)
 MARKS = {"missing": "", "good": "✓", "weak": "!"}
 
 
@@ -33,12 +34,14 @@ class SheetCell:
         title: Short, for people.
         state: A key of COLORS.
         note: What is to be known about it, for the tooltip.
+        why: Why it is weak, in some words, "" if it is not.
     """
 
     name: str
     title: str
     state: str
     note: str
+    why: str = ""
 
 
 class ContactSheet(CellList):
@@ -106,18 +109,33 @@ class _CellPainter(QStyledItemDelegate):
             painter.drawImage(box, thumb)
         else:
             painter.setPen(QColor(205, 209, 214))
-            flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
-            painter.drawText(box.adjusted(3, 2, -3, -6), int(flags), cell.title)
+            painter.drawText(box.adjusted(3, 2, -3, -6), WRAPPED, cell.title)
         painter.fillRect(QRectF(box.left(), box.bottom() - 5, box.width(), 5), COLORS[cell.state])
+        if cell.why:
+            _paint_why(painter, box, cell.why)
         if MARKS[cell.state]:
-            badge = QRectF(box.right() - 17, box.top() + 2, 15, 15)
-            painter.setPen(Qt.PenStyle.NoPen)
-            painter.setBrush(COLORS[cell.state])
-            painter.drawEllipse(badge)
-            painter.setPen(QColor(10, 14, 18))
-            painter.drawText(badge, Qt.AlignmentFlag.AlignCenter, MARKS[cell.state])
+            _paint_mark(painter, box, cell.state)
         if self.parent().currentRow() == index.row():  # type: ignore[union-attr]
             painter.setPen(QPen(QColor(255, 220, 80), 2.5))
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.drawRect(box.adjusted(1, 1, -1, -1))
         painter.restore()
+
+
+def _paint_why(painter: QPainter, box: QRectF, why: str) -> None:
+    """Paint on a dark band at the foot why a picture is weak."""
+    room = box.adjusted(2, 0, -2, -6).toRect()
+    needed = painter.boundingRect(room, WRAPPED, why).height()
+    band = QRectF(box.left(), box.bottom() - 6 - needed, box.width(), needed + 1)
+    painter.fillRect(band, QColor(20, 22, 24, 215))
+    painter.setPen(QColor(255, 226, 170))
+    painter.drawText(band, WRAPPED, why)
+
+
+def _paint_mark(painter: QPainter, box: QRectF, state: str) -> None:
+    badge = QRectF(box.right() - 17, box.top() + 2, 15, 15)
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(COLORS[state])
+    painter.drawEllipse(badge)
+    painter.setPen(QColor(10, 14, 18))
+    painter.drawText(badge, Qt.AlignmentFlag.AlignCenter, MARKS[state])

@@ -7,7 +7,9 @@ from PySide6.QtGui import QColor, QFont, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 
 from app.views.picture_view import BADGE_COLOR, EMPTY_TEXT_COLOR, PictureView
+from core.records import FloatArray
 
+GHOST, GHOST_EDGE = QColor(255, 255, 255, 190), QColor(0, 0, 0, 90)
 GUIDE, GOOD, TROUBLE = QColor(255, 220, 80), QColor(80, 220, 140), QColor(255, 170, 0)
 #: Turns smaller than this need no arrow.
 LEAST_DEG = 6.0
@@ -24,6 +26,9 @@ class Guide:
         held: How much of the hold has passed, in [0, 1].
         advice: A sentence over the picture, or "".
         flash: Whether a picture has just been taken.
+        news: What came of the last picture, "" if that is long ago.
+        good: Whether that is good news.
+        ghost: Lines of a head that is held as asked, in the picture's pixels, closed one first.
     """
 
     yaw_deg: float = 0.0
@@ -32,6 +37,9 @@ class Guide:
     held: float = 0.0
     advice: str = ""
     flash: bool = False
+    news: str = ""
+    good: bool = True
+    ghost: tuple[FloatArray, ...] = ()
 
 
 class GuideView(PictureView):
@@ -61,21 +69,47 @@ class GuideView(PictureView):
         painter.end()
 
     def _paint(self, painter: QPainter, area: QRectF, guide: Guide) -> None:
-        # In a mirror the user's left is on the left.
-        if abs(guide.yaw_deg) > LEAST_DEG:
-            _arrow(painter, area, -1.0 if guide.yaw_deg > 0 else 1.0, 0.0)
-        if abs(guide.pitch_deg) > LEAST_DEG:
-            _arrow(painter, area, 0.0, -1.0 if guide.pitch_deg > 0 else 1.0)
-        if abs(guide.roll_deg) > LEAST_DEG:
-            _bend(painter, area, leftwards=guide.roll_deg > 0)
+        if guide.ghost:
+            self._paint_ghost(painter, area, guide.ghost)
+        _paint_turns(painter, area, guide)
         if guide.held > 0:
             _ring(painter, area, guide.held)
         if guide.flash:
-            painter.setPen(QPen(GOOD, 10))
+            painter.setPen(QPen(GOOD if guide.good else TROUBLE, 10))
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.drawRect(area.adjusted(5, 5, -5, -5))
+        if guide.news:
+            _news(painter, area, guide.news, GOOD if guide.good else TROUBLE)
         if guide.advice:
             _sentence(painter, area, guide.advice)
+
+    def _paint_ghost(self, painter: QPainter, area: QRectF, lines: tuple[FloatArray, ...]) -> None:
+        """Paint lines that are in the picture's pixels over the mirrored picture."""
+        if self._image is None:
+            return
+        scale = area.width() / self._image.width()
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        for number, line in enumerate(lines):
+            places = QPolygonF([
+                QPointF(area.right() - scale * (x + 0.5), area.top() + scale * (y + 0.5))
+                for x, y in line.tolist()
+            ])  # fmt: skip
+            draw = painter.drawPolygon if number == 0 else painter.drawPolyline
+            for color, width in ((GHOST_EDGE, 4.5), (GHOST, 2.0)):
+                pen = QPen(color, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap)
+                pen.setStyle(Qt.PenStyle.DashLine if number == 0 else Qt.PenStyle.SolidLine)
+                painter.setPen(pen)
+                draw(places)
+
+
+def _paint_turns(painter: QPainter, area: QRectF, guide: Guide) -> None:
+    # In a mirror the user's left is on the left.
+    if abs(guide.yaw_deg) > LEAST_DEG:
+        _arrow(painter, area, -1.0 if guide.yaw_deg > 0 else 1.0, 0.0)
+    if abs(guide.pitch_deg) > LEAST_DEG:
+        _arrow(painter, area, 0.0, -1.0 if guide.pitch_deg > 0 else 1.0)
+    if abs(guide.roll_deg) > LEAST_DEG:
+        _bend(painter, area, leftwards=guide.roll_deg > 0)
 
 
 def _arrow(painter: QPainter, area: QRectF, x: float, y: float) -> None:
@@ -122,6 +156,25 @@ def _ring(painter: QPainter, area: QRectF, held: float) -> None:
     painter.drawEllipse(box)
     painter.setPen(QPen(GOOD, 0.1 * size))
     painter.drawArc(box, 16 * 90, -round(16 * 360 * min(held, 1.0)))
+
+
+def _news(painter: QPainter, area: QRectF, text: str, color: QColor) -> None:
+    """Paint at the upper left what came of the last picture."""
+    font = QFont(painter.font())
+    font.setBold(True)
+    painter.save()
+    painter.setFont(font)
+    metrics = painter.fontMetrics()
+    most = 0.7 * area.width()
+    text = metrics.elidedText(text, Qt.TextElideMode.ElideRight, round(most))
+    box = QRectF(0, 0, metrics.horizontalAdvance(text) + 24, metrics.height() + 12)
+    box.moveTopLeft(area.topLeft() + QPointF(14, 14))
+    painter.setPen(QPen(color, 1.5))
+    painter.setBrush(BADGE_COLOR)
+    painter.drawRoundedRect(box, 8, 8)
+    painter.setPen(EMPTY_TEXT_COLOR)
+    painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
+    painter.restore()
 
 
 def _sentence(painter: QPainter, area: QRectF, text: str) -> None:
