@@ -77,11 +77,11 @@ class Retrained:
     text: str
 
 
-class PerformerMaker(Protocol):
+class Opener(Protocol):
     """What is needed of the toolbox."""
 
-    def performer(self, profile: Profile) -> Performer:
-        """Return what follows the person of a profile."""
+    def open_profile(self, key: str) -> Performer:
+        """Load a profile and make its tracker."""
         ...
 
 
@@ -102,12 +102,16 @@ class CorrectionTools(Protocol):
         """Train a profile with all that was kept."""
         ...
 
+    def unlearned(self, profile: str) -> int:
+        """Return how many corrections are kept and not learned yet."""
+        ...
+
 
 class CorrectionWorkshop:
     """Works on the profiles of the user's data folder."""
 
-    def __init__(self, maker: PerformerMaker) -> None:
-        self._maker = maker
+    def __init__(self, opener: Opener) -> None:
+        self._opener = opener
 
     def prepare(
         self, profile: str, frame: Frame, state: FaceState
@@ -143,6 +147,11 @@ class CorrectionWorkshop:
         draft.put(name, picture, encoded(correction.rgb))
         return name
 
+    def unlearned(self, profile: str) -> int:
+        """Return how many corrections are kept and not learned yet."""
+        names = Draft(profile_folder(profile)).names()
+        return sum(name.startswith(f"{KIND}-") for name in names)
+
     def train(self, profile: str) -> Generator[Progress, None, Retrained]:
         """Train a profile behind the live view.
 
@@ -154,25 +163,41 @@ class CorrectionWorkshop:
     def _train(self, profile: str) -> Generator[Progress, None, Retrained]:
         yield Progress(0, 1, "Reading the profile's pictures")
         book = Workbook(profile_folder(profile), _find)
-        fresh = [name for name in book.names if name in Draft(book.folder).names()]
+        drafted = Draft(book.folder).names()
+        fresh = [name for name in book.used_names if name in drafted and name.startswith(KIND)]
         before: Any = book.profile.report if book.profile is not None else {}
-        was_px = {name: rms_px(book.automatic(name).points_px, book.landmarks(name))
-                  for name in fresh}  # fmt: skip
-        trained = yield from book.train(load_face_model(asset("face_model.npz")),
-                                        np.random.default_rng(1))  # fmt: skip
-        lines = [
-            picture_text(name, was_px[name], self._error_px(trained, book, name))
-            for name in fresh if name.startswith(KIND)
-        ]  # fmt: skip
+        was_px = {
+            name: rms_px(book.automatic(name).points_px, book.landmarks(name)) for name in fresh
+        }
+        model = load_face_model(asset("face_model.npz"))
+        trained = yield from book.train(model, np.random.default_rng(1))
+        yield Progress(1, 1, "Looking at the corrected pictures")
+        now_px = errors_px(trained, book, fresh)
+        lines = [picture_text(name, was_px[name], now_px[name]) for name in now_px]
         text = " ".join([*lines, held_out_text(before, trained.report)])
-        return Retrained(profile, self._maker.performer(trained), text.strip())
+        return Retrained(profile, self._opener.open_profile(profile), text.strip())
 
-    def _error_px(self, profile: Profile, book: Workbook, name: str) -> float | None:
-        """Return how far the new regressor is from a picture's landmarks, None without a face."""
-        rgb = book.image(name)
-        frame = Frame(rgb, gray_from_rgb(rgb), 0.0, 0)
-        state = live_tracker(load_models(), profile).step(frame)
-        return None if state.lost else rms_px(state.landmarks_px, book.landmarks(name))
+
+def errors_px(profile: Profile, book: Workbook, names: list[str]) -> dict[str, float | None]:
+    """Return how far a profile's regressor is from the landmarks of pictures.
+
+    Args:
+        profile: With the regressor.
+        book: With the pictures.
+        names: Of the pictures; those that the book does not have any more are left out.
+
+    Returns:
+        Name -> px (RMS), None where it finds no face.
+    """
+    models = load_models() if names else None
+    errors: dict[str, float | None] = {}
+    for name in names:
+        if models is not None and name in book.names:
+            rgb = book.image(name)
+            state = live_tracker(models, profile).step(Frame(rgb, gray_from_rgb(rgb), 0.0, 0))
+            marks = book.landmarks(name)
+            errors[name] = None if state.lost else rms_px(state.landmarks_px, marks)
+    return errors
 
 
 def confirmed(landmarks: Landmarks2D) -> Landmarks2D:

@@ -11,6 +11,8 @@ app.controllers.live.
 
 from app.controllers.arranging import Arranging
 from app.controllers.controlling import Controlling
+from app.controllers.correcting import CorrectingController
+from app.controllers.correction_tools import CorrectionWorkshop
 from app.controllers.helping import attach_help
 from app.controllers.live import LiveController
 from app.controllers.looking import Looking
@@ -44,3 +46,4 @@ def attach_panels(controller: LiveController, window: LiveWindow, tools: Tools) 
     Looking(controller, window)
     Playback(controller, window)
     TakesController(controller, window)
+    CorrectingController(controller, window, CorrectionWorkshop(tools))
