@@ -68,7 +68,7 @@ def test_a_newcomer_gets_from_the_first_page_to_a_live_avatar(qtbot, home):
     next_page(qtbot, window, "capture", controller)
 
     # 3. Twenty pictures, hands-free
-    window.capture.quick_box.setChecked(True)
+    window.capture.plan_chosen.emit("quick")
     qtbot.waitUntil(lambda: controller.capturing.shot is None, timeout=PATIENCE_MS)
     states = window.capture.sheet.states()
     assert {name for name, state in states.items() if state != "missing"} == set(QUICK)
