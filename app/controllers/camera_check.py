@@ -200,9 +200,17 @@ class CameraController(QObject):
         if self._counts[key] % THUMB_EVERY == 1:
             small = thumbnail(preview.frame.rgb, 2 * THUMB.width())
             self._page.cameras.show_thumb(key, image_from_array(small))
-            self._set_card(key, _facts(preview), BLANK if blank else "")
+            self._set_card(key, self._facts(key, preview), BLANK if blank else "")
         if key == self._chosen:
             self._show_chosen(key, preview, blank)
+
+    def _facts(self, key: str, preview: Preview) -> str:
+        """Return size and speed; while the speed is measured anew the one before stands."""
+        height, width = preview.frame.gray.shape
+        size, card = f"{width} × {height}", self._cards.get(key)
+        if not math.isnan(preview.fps):
+            return f"{size}, {preview.fps:.1f} fps"
+        return card.facts if card is not None and card.facts.startswith(size) else size
 
     def _show_chosen(self, key: str, preview: Preview, blank: bool) -> None:
         loop = self._previews.loop(key)
@@ -244,12 +252,6 @@ class CameraController(QObject):
             if self._counts.get(key) and key != self._chosen:
                 self._choose(key)
                 return
-
-
-def _facts(preview: Preview) -> str:
-    height, width = preview.frame.gray.shape
-    speed = "" if math.isnan(preview.fps) else f", {preview.fps:.1f} fps"
-    return f"{width} × {height}{speed}"
 
 
 def _in_short(error: CoreError | AppError) -> str:

@@ -19,7 +19,7 @@ CLEAR = (
     "This cannot be undone."
 )
 DELETE = (
-    "{n} pictures, the landmarks and the trained model ({size}) will be deleted. "
+    "{n} pictures, their landmarks{model} ({size}) will be deleted. "
     "This cannot be undone."
 )
 
@@ -86,7 +86,9 @@ class ShelfController(QObject):
     def delete(self, name: str) -> QMessageBox:
         """Ask, then delete a profile."""
         found = self._profile(name)
-        text = DELETE.format(n=found.n_pictures, size=size_text(found.size_bytes))
+        model = " and the trained model" if found.trained else ""
+        size = size_text(found.size_bytes)
+        text = DELETE.format(n=found.n_pictures, model=model, size=size)
         return ask_to_confirm(
             self._page, f"Delete the profile {name}?", text, "&Delete everything",
             lambda: self._delete(self._tools.shelf().delete, name),

@@ -64,7 +64,9 @@ class CopyDialog(QDialog):
         self.setWindowTitle(f"Copy {name} for another look")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self._trouble = trouble
-        self.name, self.remark = QLineEdit(f"{name} {LOOKS['With &glasses']}"), QLabel()
+        names = [f"{name} {look}" for look in LOOKS.values()]
+        free = next((one for one in names if not trouble(one)), names[0])
+        self.name, self.remark = QLineEdit(free), QLabel()
         self.name.setAccessibleName("Name of the copy")
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)
         self.copy_button = self.buttons.addButton(

@@ -55,7 +55,7 @@ class StartPage(QWidget):
         self.name.setPlaceholderText("For example your first name")
         self.name.setAccessibleName("Name of the profile")
         self.begin_button = QPushButton("&Begin")
-        self.folder_button = QPushButton("Show &all")
+        self.folder_button = QPushButton("Show d&ata folder")
         self.folder_button.setToolTip("Open the folder of all profiles")
         self.profiles = ProfileTable()
         self.buttons = {key: QPushButton(text) for key, (text, _) in WISHES.items()}
