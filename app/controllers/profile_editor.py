@@ -10,6 +10,7 @@ from PySide6.QtCore import QObject, Signal
 from app.controllers.editing import EditorController
 from app.errors import PicturesDeletedError
 from app.models import load_aligner
+from app.priority import taking_turns
 from app.resources import asset
 from app.views.editor.editor_window import EditorWindow
 from app.workbook import Workbook
@@ -59,7 +60,7 @@ def make_editor(opened: OpenedBook) -> tuple[EditorWindow, EditorController]:
     folder, book, model = opened.folder, opened.book, opened.model
 
     def train(book: Workbook) -> Generator[Progress, None, object]:
-        profile = yield from book.train(model, np.random.default_rng(0))
+        profile = yield from taking_turns(book.train(model, np.random.default_rng(0)))
         return f"Trained again; {len(profile.names)} pictures are in use."
 
     def refitter() -> Refitter:

@@ -15,6 +15,7 @@ from app.capture.webcam import CameraEntry, WebcamSource
 from app.controllers.toolbox import Toolbox
 from app.models import Looking, free_tracker, load_aligner
 from app.performer.prompted import PromptedPerformer
+from app.priority import taking_turns
 from app.profiles import data_folder, profile_folder
 from app.setup_memory import SetupChoices, load_choices, save_choices
 from app.setup_steps import rivals
@@ -125,7 +126,8 @@ class SetupTools(Toolbox):
 
     def train(self, book: Workbook) -> Generator[Progress, None, object]:
         """Train a book's profile."""
-        profile = yield from book.train(self.models().face_model, np.random.default_rng(1))
+        steps = book.train(self.models().face_model, np.random.default_rng(1))
+        profile = yield from taking_turns(steps)
         return f"Trained with {len(profile.names)} pictures."
 
 
