@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from app.controllers.editing import is_placed
 from app.controllers.frame_book import FrameBook
 from app.controllers.player import Performer
 from app.errors import AppError
@@ -16,6 +17,7 @@ from app.resizing import at_size
 from app.resources import asset
 from app.workbook import Workbook
 from core.draft import Draft, DraftPicture
+from core.errors import NoFaceError
 from core.face_model import load_face_model
 from core.generations import read_generation
 from core.landmark_edit import hidden
@@ -119,7 +121,8 @@ class CorrectionWorkshop:
         """Return a frame at the size of the profile's pictures, with the tracker's landmarks.
 
         Raises:
-            CoreError, AppError: The profile cannot be read, or not be trained again.
+            CoreError, AppError: The profile cannot be read, or not be trained again; no face was
+                ever seen.
         """
         yield Progress(0, 1, "Preparing the frame")
         folder = profile_folder(profile)
@@ -128,6 +131,11 @@ class CorrectionWorkshop:
             raise NoPicturesError(profile)
         size_px = (frame.rgb.shape[1], frame.rgb.shape[0])
         found = landmarks_of_state(model, whole.user, whole.camera, state, size_px)
+        if state.lost:
+            # The tracker repeats where the face was last; the aligner may see where it is.
+            found = _find(frame.rgb) or found
+        if not is_placed(found):
+            raise NoFaceError("this frame")
         rgb, found = at_size(frame.rgb, found, whole.camera.size_px)
         return Prepared(profile, FrameBook(rgb, found), Refitter(model, whole.user, whole.camera))
 

@@ -10,10 +10,12 @@ from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtTest import QTest
 
 from app import workbook
+from app.controllers import correction_tools
 from app.controllers.correcting import CorrectingController
 from app.controllers.correction_tools import (
     Correction,
     CorrectionWorkshop,
+    NoPicturesError,
     Prepared,
     Retrained,
     confirmed,
@@ -27,6 +29,7 @@ from app.priority import step_back, taking_turns
 from app.workers.job import Job
 from app.workers.live_loop import LiveLoop
 from core.draft import Draft
+from core.errors import NoFaceError
 from core.generations import ProfileUnwritableError
 from core.landmark_edit import as_hidden, points_of
 from core.landmark_refit import Refitter
@@ -322,6 +325,34 @@ def test_a_frame_is_prepared_at_the_size_of_the_profiles_pictures(film, folder):
     assert np.array_equal(refitted.points_px[CORNER], moved.points_px[CORNER])
     near = NAMES.index("R_lipin_corner")
     assert refitted.points_px[near, 0] > book.now.points_px[near, 0]
+
+
+def test_a_lost_face_is_where_the_aligner_sees_it_or_where_it_was_last(
+    film, folder, monkeypatch  # noqa: F811
+):  # fmt: skip
+    workshop, shown = CorrectionWorkshop(NoOpener()), frame(3)
+    monkeypatch.setattr(correction_tools, "_find", lambda rgb: film.landmarks[2])
+    lost = replace(solved(film), lost=True)
+    book = result_of(workshop.prepare(str(folder), wide(shown), lost)).book
+    assert np.allclose(book.now.points_px, film.landmarks[2].points_px)
+    monkeypatch.setattr(correction_tools, "_find", lambda rgb: None)
+    book = result_of(workshop.prepare(str(folder), wide(shown), lost)).book
+    assert np.allclose(book.now.points_px, film.landmarks[1].points_px)
+    never = replace(lost, landmarks_px=np.zeros((75, 2)))
+    with pytest.raises(NoFaceError, match="this frame"):
+        result_of(workshop.prepare(str(folder), wide(shown), never))
+
+
+def wide(shown):
+    return replace(shown, rgb=np.full((480, 640, 3), 70, np.uint8))
+
+
+def test_a_profile_whose_pictures_were_deleted_says_that_it_cannot_learn(
+    film, folder, monkeypatch  # noqa: F811
+):  # fmt: skip
+    monkeypatch.setattr(correction_tools, "pictures_kept", lambda folder: False)
+    with pytest.raises(NoPicturesError, match="guided setup"):
+        result_of(CorrectionWorkshop(NoOpener()).prepare(str(folder), frame(3), solved(film)))
 
 
 def test_a_correction_joins_the_draft_under_the_next_free_name(film, folder):  # noqa: F811
