@@ -10,6 +10,7 @@ from app.avatars.gallery import Gallery
 from app.avatars.painter import AvatarPainter as Drawer
 from app.avatars.painter import AvatarWish
 from app.avatars.views import Framing, overlay, portrait
+from app.own_looks import load_likeness, stamp
 from app.picture_files import PictureShelf
 from app.render.avatar import Avatar
 from app.render.look import AvatarLook
@@ -47,7 +48,12 @@ def avatar_from(gallery: Gallery, name: str, user: UserBlendshapes | None) -> Av
     """Return an avatar of a gallery, which keeps the files that all of them share."""
     if name != OWN:
         return gallery.built_in(name)
-    return gallery.built_in(AVATARS[1]) if user is None else gallery.of_user(user)
+    if user is None:
+        return gallery.built_in(AVATARS[1])
+    known = load_likeness(user)
+    return (
+        gallery.of_user(user) if known is None else gallery.of_user(user, known.looks, known.skin)
+    )
 
 
 def resting() -> FaceState:
@@ -167,7 +173,7 @@ class LivePainter:
         self._ladder = Ladder(IN_SOFTWARE if renderer.software else ON_CARD)
         self._pictures = PictureShelf()
         self._cast: Cast | None = None
-        self._avatars: dict[tuple[str, UserBlendshapes | None], Avatar] = {}
+        self._avatars: dict[tuple[str, UserBlendshapes | None, int], Avatar] = {}
 
     def draw(self, wish: LiveWish) -> U8:
         """Return the picture (H, W, 4).
@@ -204,9 +210,10 @@ class LivePainter:
 
     def _enter(self, cast: Cast) -> None:
         """Centre the portrait anew, and make the avatar unless it was among the last ones."""
-        role = (cast.avatar, cast.user if cast.avatar == OWN else None)
+        user = cast.user if cast.avatar == OWN else None
+        role = (cast.avatar, user, 0 if user is None else stamp(user))
         # The last used is last; the first makes way.
-        avatar = self._avatars.pop(role, None) or avatar_from(self._gallery, *role)
+        avatar = self._avatars.pop(role, None) or avatar_from(self._gallery, cast.avatar, user)
         self._avatars[role] = avatar
         if len(self._avatars) > KEPT_AVATARS:
             self._avatars.pop(next(iter(self._avatars)))

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.errors import AppError
+from app.own_looks import forget_looks, forget_skin
 from core.draft import Draft
 from core.errors import CoreError
 from core.generations import DRAFT_NAME, HEADER_NAME, read_generation, reason_of
@@ -114,6 +115,7 @@ class Shelf:
         """
         folder = self._parent / name
         profile = load(folder)
+        forget_skin(folder)
         save(folder, profile, {})
         # Writing takes the older generations away as far as it can; here it is promised.
         left = len(list(folder.glob(f"data-*/{IMAGES}*")))
@@ -137,6 +139,7 @@ class Shelf:
             (self._parent / name).rename(going)
         except OSError as error:
             raise ShelfError("delete", name, _reason(error)) from None
+        forget_looks(self._parent / name)
         with suppress(OSError):
             shutil.rmtree(going)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.avatars.build import Head, dressed
+from app.avatars.build import Costume, Head, dressed
 from app.avatars.characters import Character, drawn
 from app.avatars.fennec import FENNEC
 from app.avatars.juno import JUNO
@@ -14,7 +14,7 @@ from app.avatars.looks import LOOKS, Looks
 from app.avatars.wardrobe import AvatarFileError, Wardrobe, load_wardrobe
 from app.render.avatar import Avatar
 from core.face_model import FaceModel, deltas_mm, neutral_mm
-from core.records import FloatArray, UserBlendshapes
+from core.records import U8, FloatArray, UserBlendshapes
 
 #: Looks of the built-in avatars, whose heads are in people.json.
 _LOOKS: dict[str, Looks] = {
@@ -65,10 +65,19 @@ class Gallery:
         person = self._people[character.person]
         return drawn(character, self._model, person, self._wardrobe, skin, name)
 
-    def of_user(self, user: UserBlendshapes, looks: Looks | None = None) -> Avatar:
-        """Return the avatar with the user's own head and blendshapes."""
+    def of_user(
+        self, user: UserBlendshapes, looks: Looks | None = None, skin: U8 | None = None
+    ) -> Avatar:
+        """Return the avatar with the user's own head and blendshapes.
+
+        Args:
+            user: Whose.
+            looks: Colours and hair.
+            skin: (S, S, 4) texture of the user's own skin, None for one painted by the looks.
+        """
         head = Head(self._model, user.neutral_mm, user.deltas_mm)
-        return dressed(head, looks or Looks(), self._wardrobe, "you")
+        costume = None if skin is None else Costume(skin)
+        return dressed(head, looks or Looks(), self._wardrobe, "you", costume)
 
     def of_identity(self, identity: FloatArray, looks: Looks, name: str) -> Avatar:
         """Return the avatar of any identity weights (I,) of the face model."""

@@ -80,7 +80,7 @@ class AvatarPainter:
         if found is None:
             while len(self._puppets) >= self._KEPT:
                 self._puppets.pop(next(iter(self._puppets)))[1].release()
-            found = avatar, Puppet(self._renderer, avatar)
+            found = avatar, Puppet(self._renderer, avatar, exact=False)
         self._puppets[id(avatar)] = found
         return found[1]
 

@@ -66,6 +66,7 @@ def run(args: argparse.Namespace) -> int:
     if args.source is None:
         return show_setup(args.profile)
     from app.models import load_models
+    from app.own_looks import likeness_steps
     from app.setup_steps import collect, keep, make_profile
 
     started_s = time.monotonic()
@@ -82,6 +83,7 @@ def run(args: argparse.Namespace) -> int:
     profile, images = progress.follow(make_profile(models.face_model, pictures, focal_px, rng))
     seconds = time.monotonic() - started_s
     profile = keep(folder, profile, images, source=source.name, seed=args.seed, seconds=seconds)
+    progress.follow(likeness_steps(folder, models.face_model))
     text = json_text(profile.report) if args.json else report_text(profile.report)
     sys.stdout.write(text + "\n")
     sys.stderr.write(f"wrote the profile {folder}\n")

@@ -58,6 +58,7 @@ class LiveController(QObject):
 
     source_changed = Signal(str)
     profile_changed = Signal(str)
+    swapped = Signal()  # another tracker of the same person took over
     avatar_changed = Signal(str)
     solved = Signal(object)  # LiveResult
     ending = Signal()
@@ -144,6 +145,7 @@ class LiveController(QObject):
     def swap_performer(self, performer: Performer) -> None:
         """Let another tracker solve from the next frame on, for another head or a better one."""
         self._performing.swap(performer)
+        self.swapped.emit()
 
     # -- choices -------------------------------------------------------------------------
 
