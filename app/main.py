@@ -41,8 +41,11 @@ def build_parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run facepuppet; return the exit code."""
+    given = sys.argv[1:] if arguments is None else arguments
     try:
-        args = build_parser().parse_args(arguments)
+        if not given:
+            return _open_window()
+        args = build_parser().parse_args(given)
         return int(args.run(args))
     except (CoreError, AppError) as error:
         sys.stderr.write(f"facepuppet: {error}\n")
@@ -67,6 +70,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         where = f"{error.filename}: " if error.filename else ""
         sys.stderr.write(f"facepuppet: {where}{error.strerror or error}\n")
         return BAD_INPUT
+
+
+def _open_window() -> int:
+    """Open the window without loading all other commands first; return the exit code."""
+    from app.commands import window
+
+    return window.run(argparse.Namespace())
 
 
 def missing_library(error: ImportError) -> str | None:

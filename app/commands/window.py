@@ -4,7 +4,6 @@ import argparse
 import signal
 import sys
 
-from app.commands.demo import DemoOptions, play
 from app.commands.display import has_display
 
 NO_DISPLAY = (
@@ -17,6 +16,8 @@ def run(args: argparse.Namespace) -> int:
     """Open the window and return its exit code."""
     if not has_display():
         sys.stderr.write(NO_DISPLAY)
+        from app.commands.demo import DemoOptions, play
+
         return play(DemoOptions())
     return open_window(sys.argv[:1])
 
@@ -26,14 +27,14 @@ def open_window(qt_arguments: list[str]) -> int:
     # Qt needs more system libraries than the other commands, which must do without them.
     from PySide6.QtWidgets import QApplication
 
-    from app.controllers.desk import open_desk
-    from app.controllers.toolbox import Toolbox
+    from app.controllers.starting import Starting
+    from app.views.live_window import LiveWindow
 
     application = QApplication(qt_arguments)
     application.setApplicationName("facepuppet")
-    window, controller = open_desk(Toolbox())
+    window = LiveWindow()
     window.show()
-    controller.start()
+    Starting(window)
     # Qt would not notice Ctrl-C; the window's timer lets Python run its handler soon enough.
     before = signal.signal(signal.SIGINT, lambda *_: window.close())
     try:

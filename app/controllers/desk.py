@@ -25,12 +25,17 @@ from app.views.live_window import LiveWindow
 def open_desk(tools: Tools) -> tuple[LiveWindow, LiveController]:
     """Return the live window and its controller, not started yet."""
     window = LiveWindow()
+    return window, furnish(window, tools)
+
+
+def furnish(window: LiveWindow, tools: Tools) -> LiveController:
+    """Return the controller of a window that has none, with all features plugged in."""
     controller = LiveController(window, tools)
     arranging = Arranging(controller, window)
     attach_panels(controller, window, tools)
     # Panels that are not there yet cannot be put where they were.
     arranging.restore()
-    return window, controller
+    return controller
 
 
 def attach_panels(controller: LiveController, window: LiveWindow, tools: Tools) -> None:

@@ -13,7 +13,6 @@ from app.capture.played import Played, Recording
 from app.capture.source import FrameSource
 from app.capture.webcam import list_cameras
 from app.controllers.face_mesh import FaceMesh
-from app.controllers.filming import film_performer
 from app.controllers.player import Performer
 from app.controllers.profile_maker import MadeProfile
 from app.controllers.progress import between
@@ -21,10 +20,10 @@ from app.errors import AppError
 from app.models import Models, auto_tracker, free_tracker, load_aligner, load_models
 from app.painting import AVATARS, OWN, LivePainter
 from app.performer.opening import SETUP, TAKE_NAMES
+from app.priority import taking_turns
 from app.profiles import profile_folder, profile_names
 from app.render.renderer import Renderer
 from app.render.thread import RenderThread
-from app.setup_steps import Pictures, collect, keep, make_profile
 from app.sources import PERFORMER, open_source
 from app.views.choice import Choice
 from app.workers.avatar_loop import DrawingThread, Painted, painted
@@ -37,6 +36,7 @@ from core.store import Profile, load
 if TYPE_CHECKING:
     from app.controllers.guided import GuidedSetup
     from app.controllers.profile_editor import ProfileEditor
+    from app.setup_steps import Pictures
 
 #: Size of the avatar's picture.
 AVATAR_SIZE_PX = (640, 480)
@@ -157,12 +157,15 @@ class Toolbox:
         Raises:
             AppError, CoreError: The source or the name cannot be used; nothing was changed.
         """
+        # All that trains is loaded when it is needed: the window shall open soon.
+        from app.setup_steps import keep, make_profile
+
         folder = profile_folder(name)
         check_target(folder)
         try:
             model = self.models().face_model
             pictures = yield from between(0.0, COLLECT_SHARE, self._collect(source))
-            steps = make_profile(model, pictures, None, np.random.default_rng(1))
+            steps = taking_turns(make_profile(model, pictures, None, np.random.default_rng(1)))
             profile, images = yield from between(COLLECT_SHARE, 1.0, steps)
             kept = keep(folder, profile, images, source=Path(source).name)
         finally:
@@ -171,7 +174,10 @@ class Toolbox:
                 folder.rmdir()
         return MadeProfile(name, made_text(name, kept, pictures.notes))
 
-    def _collect(self, source: str) -> Generator[Progress, None, Pictures]:
+    def _collect(self, source: str) -> "Generator[Progress, None, Pictures]":
+        from app.controllers.filming import film_performer
+        from app.setup_steps import collect
+
         # The live view may be using the aligner of the models, and that is for one thread.
         aligner = load_aligner()
         if source == PERFORMER:

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import cv2
 import numpy as np
-from scipy.interpolate import LinearNDInterpolator
 
 from app.avatars.build import Head
 from app.avatars.hair import strands
@@ -156,4 +155,7 @@ def _radius_mm(head: Head, turn: FloatArray, y_mm: FloatArray) -> FloatArray:
     away = np.hypot(front[:, 0], _AXIS_Z_MM - front[:, 2])
     # Angles in mm on a head of usual size, so that both directions count alike.
     places = np.stack([75 * angle, front[:, 1]], axis=1)
+    # Takes half a second to load, which only who films the performer shall wait for.
+    from scipy.interpolate import LinearNDInterpolator
+
     return np.asarray(LinearNDInterpolator(places, away)(75 * turn, y_mm))

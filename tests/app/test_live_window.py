@@ -490,7 +490,7 @@ def quicken(monkeypatch):
     from functools import partial
 
     from app import setup_steps
-    from app.controllers import toolbox
+    from app.controllers import filming
     from core.pipeline import BuildSettings, build
     from core.regressor_trainer import TrainSettings
 
@@ -500,8 +500,8 @@ def quicken(monkeypatch):
         return build(model, images, landmarks, 620.0, rng, settings)
 
     monkeypatch.setattr(setup_steps, "build", quick_build)
-    film = toolbox.film_performer
-    monkeypatch.setattr(toolbox, "film_performer", partial(film, every=4))
+    film = filming.film_performer
+    monkeypatch.setattr(filming, "film_performer", partial(film, every=4))
 
 
 def moved(before, now):

@@ -130,7 +130,7 @@ def test_the_command_line_itself_is_checked(capsys, arguments, said):
 
 def test_without_a_display_the_demo_is_played(monkeypatch, capsys):
     played = []
-    monkeypatch.setattr(window, "play", lambda options: played.append(options) or 0)
+    monkeypatch.setattr(demo, "play", lambda options: played.append(options) or 0)
     monkeypatch.setattr("sys.platform", "linux")
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
@@ -150,7 +150,7 @@ def test_ctrl_c_ends_with_its_own_exit_code(monkeypatch, capsys):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(window, "has_display", lambda: False)
-    monkeypatch.setattr(window, "play", interrupted)
+    monkeypatch.setattr(demo, "play", interrupted)
     assert main([]) == 130
     assert capsys.readouterr().err.endswith("facepuppet: stopped\n")
 
@@ -160,7 +160,7 @@ def test_a_missing_system_library_is_named_with_the_line_that_installs_it(monkey
         raise ImportError("libEGL.so.1: cannot open shared object file: No such file")
 
     monkeypatch.setattr(window, "has_display", lambda: False)
-    monkeypatch.setattr(window, "play", failing)
+    monkeypatch.setattr(demo, "play", failing)
     assert main([]) == 2
     said = capsys.readouterr().err
     assert "lacks the system library libEGL.so.1" in said and DEBIAN_LINE in said
