@@ -16,6 +16,7 @@ from app.controllers.correction_tools import CorrectionWorkshop
 from app.controllers.helping import attach_help
 from app.controllers.live import LiveController
 from app.controllers.looking import Looking
+from app.controllers.own_avatar import OwnAvatar
 from app.controllers.playback import Playback
 from app.controllers.takes import TakesController
 from app.controllers.tools import Tools
@@ -49,6 +50,7 @@ def attach_panels(controller: LiveController, window: LiveWindow, tools: Tools) 
     attach_help(window)
     Controlling(controller, window)
     Looking(controller, window)
+    OwnAvatar(controller, window, tools.profile_folder)
     Playback(controller, window)
     TakesController(controller, window)
     CorrectingController(controller, window, CorrectionWorkshop(tools))
