@@ -1,11 +1,17 @@
 """Keys that drive the avatar: Ctrl+R recentres, Ctrl+1 to Ctrl+9 show faces."""
 
-from PySide6.QtCore import QEvent, QObject, Qt, Signal
+from collections.abc import Callable
+from functools import partial
+
+from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import QApplication
 
 from app.views.live_window import LiveWindow
 from core.drive_settings import N_KEYS
+
+#: For so long a face that is to be held is shown when it is chosen in the menu.
+FROM_MENU_MS = 1500
 
 
 class ExpressionHotkeys(QObject):
@@ -25,10 +31,8 @@ class ExpressionHotkeys(QObject):
         menu.addAction(self.recentre)
         faces = menu.addMenu("&Expression")
         for key in range(1, N_KEYS + 1):
-            action = _action(
-                window, f"Expression key &{key}", f"Ctrl+{key}", lambda key=key: self._press(key)
-            )
-            faces.addAction(action)
+            text, press = f"Expression key &{key}", partial(self._press, key)
+            faces.addAction(_action(window, text, f"Ctrl+{key}", press))
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Hear that keys are let go; installed only while some are held."""
@@ -41,6 +45,11 @@ class ExpressionHotkeys(QObject):
 
     def _press(self, key: int) -> None:
         if key in self._held:
+            return
+        if not self._application().keyboardModifiers() & Qt.KeyboardModifier.ControlModifier:
+            # Chosen in the menu: nothing is held that could be let go.
+            self.pressed.emit(key)
+            QTimer.singleShot(FROM_MENU_MS, self, lambda: self.released.emit(key))
             return
         if not self._held:
             self._application().installEventFilter(self)
@@ -68,12 +77,12 @@ class ExpressionHotkeys(QObject):
         return application
 
 
-def _action(window: LiveWindow, text: str, shortcut: str, call: object) -> QAction:
+def _action(window: LiveWindow, text: str, shortcut: str, call: Callable[[], None]) -> QAction:
     action = QAction(text, window)
     action.setShortcut(QKeySequence(shortcut))
     # The avatar's own window has the focus while streaming.
     action.setShortcutContext(Qt.ShortcutContext.ApplicationShortcut)
     action.setAutoRepeat(False)
-    action.triggered.connect(call)
+    action.triggered.connect(lambda: call())
     window.addAction(action)
     return action

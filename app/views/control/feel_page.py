@@ -144,6 +144,7 @@ class FeelPage(QScrollArea):
         )
         self.uncentre_button.setToolTip("Use head and face as they are tracked")
         self.uncentre_button.setAccessibleName("Forget the centre")
+        self.uncentre_button.setEnabled(False)
         self.recentre_button.clicked.connect(self.recentre_wanted)
         self.uncentre_button.clicked.connect(self.uncentre_wanted)
         buttons = QHBoxLayout()

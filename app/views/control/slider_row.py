@@ -4,7 +4,8 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSlider, QWidget
 
-_STEPS = 200
+#: Greatest span of values that is moved through in hundredths, and in tenths; else in ones.
+_IN_HUNDREDTHS, _IN_TENTHS = 5.0, 60.0
 _BACK = " Double-click or Delete: back to the usual value."
 
 
@@ -44,12 +45,14 @@ class SliderRow(QWidget):
         """
         super().__init__()
         self._low, self._high, self._usual, self._form = low, high, usual, form
+        self._step = _step(high - low)
         self._shown = -1
         name = text.replace("&", "")
         self.slider, self.value_label = _Slider(Qt.Orientation.Horizontal), QLabel()
-        self.slider.setRange(0, _STEPS)
-        self.slider.setPageStep(_STEPS // 10)
-        self.slider.setSingleStep(_STEPS // 50)
+        steps = self._position(high)
+        self.slider.setRange(0, steps)
+        self.slider.setPageStep(steps // 10)
+        self.slider.setSingleStep(max(steps // 60, 1))
         self.slider.setAccessibleName(name)
         self.name_label = QLabel(text)
         self.name_label.setBuddy(self.slider)
@@ -72,17 +75,27 @@ class SliderRow(QWidget):
     def show_value(self, value: float) -> None:
         """Show a value; nothing is emitted."""
         self._shown = self._position(value)
-        self.value_label.setText(self._form.format(value))
+        self.value_label.setText(self._told(value))
         self.slider.setValue(self._shown)
 
+    def _told(self, value: float) -> str:
+        return self._form.format(value).replace("%", "\N{NO-BREAK SPACE}%")
+
     def _position(self, value: float) -> int:
-        return round(_STEPS * (value - self._low) / (self._high - self._low))
+        return round((value - self._low) / self._step)
 
     def _on_moved(self, position: int) -> None:
         # Only what the user moved: what is shown is known already.
         if position == self._shown:
             return
         self._shown = position
-        value = round(self._low + (self._high - self._low) * position / _STEPS, 4)
-        self.value_label.setText(self._form.format(value))
+        value = min(round(self._low + position * self._step, 4), self._high)
+        self.value_label.setText(self._told(value))
         self.changed.emit(value)
+
+
+def _step(span: float) -> float:
+    """Return by how much a slider of this span moves at least."""
+    if span <= _IN_HUNDREDTHS:
+        return 0.01
+    return 0.1 if span <= _IN_TENTHS else 1.0
