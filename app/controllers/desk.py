@@ -18,6 +18,7 @@ from app.controllers.live import LiveController
 from app.controllers.looking import Looking
 from app.controllers.own_avatar import OwnAvatar
 from app.controllers.playback import Playback
+from app.controllers.plotting import Plotting
 from app.controllers.takes import TakesController
 from app.controllers.tools import Tools
 from app.views.live_window import LiveWindow
@@ -52,5 +53,6 @@ def attach_panels(controller: LiveController, window: LiveWindow, tools: Tools) 
     Looking(controller, window)
     OwnAvatar(controller, window, tools.profile_folder)
     Playback(controller, window)
+    Plotting(controller, window)
     TakesController(controller, window)
     CorrectingController(controller, window, CorrectionWorkshop(tools))
