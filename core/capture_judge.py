@@ -87,7 +87,7 @@ class CaptureJudge:
         self._advisor = Advisor()
         self._shot: Shot | None = None
         self._asked_s, self._paused, self._now_wanted = -np.inf, False, False
-        self._times: list[float] = []
+        self._times: list[tuple[float, int]] = []
         self._angles = np.zeros(3)
         self._best: Taken | None = None
         self._rest: FloatArray | None = None
@@ -136,7 +136,7 @@ class CaptureJudge:
         sharp = sharpness(frame.gray, points) if points is not None else 1.0
         looked = Looked(
             frame.gray, None if seen is None else seen.points_px, rivals,
-            sharp if points is not None else float("nan"), self._fps(frame.time_s),
+            sharp if points is not None else float("nan"), self._fps(frame),
         )  # fmt: skip
         found = troubles(looked, self._settings.quality)
         matched = self._match(state, seen, frame.time_s)
@@ -150,11 +150,15 @@ class CaptureJudge:
         still = block_points(frame.gray) if unseen else points
         return self._shoot(frame, seen, advice, matched, (good, still, sharp))
 
-    def _fps(self, time_s: float) -> float:
-        self._times = [*self._times[-_SPEED_FRAMES:], time_s]
-        span_s = self._times[-1] - self._times[0]
-        known = len(self._times) > _SPEED_FRAMES // 2 and span_s > 0
-        return (len(self._times) - 1) / span_s if known else float("nan")
+    def _fps(self, frame: Frame) -> float:
+        """Return how many frames a second the camera gives, those left out here counted, too."""
+        if self._times and frame.index <= self._times[-1][1]:
+            # Another source, with a clock of its own.
+            self._times = []
+        self._times = [*self._times[-_SPEED_FRAMES:], (frame.time_s, frame.index)]
+        (first_s, first), (last_s, last) = self._times[0], self._times[-1]
+        known = len(self._times) > _SPEED_FRAMES // 2 and last_s > first_s
+        return (last - first) / (last_s - first_s) if known else float("nan")
 
     def _match(self, state: FaceState, seen: Landmarks2D | None, frame_s: float) -> Match | None:
         if seen is None:

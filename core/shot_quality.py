@@ -20,7 +20,7 @@ ADVICE: dict[str, str] = {
     "blurred": "The picture is blurred: hold still, or clean the lens",
     "off_center": "Move to the middle of the picture, or turn the camera to you",
     "slow_dark": "It is so dim that the camera gives few pictures a second: put a lamp before you",
-    "slow": "The camera gives few pictures a second: close other programs that use it",
+    "slow": "Few pictures come a second: close programs that are busy or use the camera",
 }
 #: Troubles that do not make a picture worse.
 HARMLESS = frozenset({"off_center", "slow_dark", "slow"})

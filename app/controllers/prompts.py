@@ -49,7 +49,10 @@ class Prompts:
     @property
     def request(self) -> str:
         """What to do before the first of more pictures, "" for the first ones."""
-        return "" if self.key in (ALL_KEY, QUICK_KEY) else extra_set(self.key).request
+        if self.key in (ALL_KEY, QUICK_KEY):
+            return ""
+        wanted = extra_set(self.key)
+        return f"{wanted.title}: {wanted.request[:1].lower()}{wanted.request[1:]}"
 
     def choose(self, key: str, there: Collection[str]) -> None:
         """Ask for something else.

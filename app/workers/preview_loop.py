@@ -16,7 +16,7 @@ from core.records import Frame
 from core.shot_quality import is_blank
 
 #: Frames over which the speed is measured, and how many it takes at least.
-SPEED_FRAMES, LEAST_FRAMES = 45, 12
+SPEED_FRAMES, LEAST_FRAMES = 45, 8
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -228,7 +228,7 @@ def test_more_pictures_are_asked_for_by_sets(qtbot, setup):
     page.plans.activated.emit(row)
     names = [cell.name for cell in page.sheet.cells()]
     assert names[0] == "glasses~pose_yaw+0" and len(names) < 20
-    assert "Put them on" in page.instruction.text()
+    assert "With glasses: put them on." in page.instruction.text()
     assert page.sheet.cells()[0].title.startswith("glasses: ")
     assert setup.tools.prompted[-1] == "pose_yaw+0"
     setup.tools.obeys = True

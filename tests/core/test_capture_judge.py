@@ -152,7 +152,8 @@ def test_a_neutral_prompt_waits_for_the_mouth_to_close(gray):
 def test_a_slow_camera_is_told_and_still_used(gray):
     judge = CaptureJudge()
     judge.ask(BY_NAME["pose_yaw+0"])
-    judged = [judge.step(frame_of(gray, 4 * n), state_of(), landmarks()) for n in range(40)]
+    slow = [replace(frame_of(gray, n), time_s=n / 8) for n in range(40)]
+    judged = [judge.step(one, state_of(), landmarks()) for one in slow]
     assert judged[-1].advice == "slow" and taken(judged)
 
 
@@ -166,3 +167,16 @@ def test_who_hardly_manages_an_expression_is_asked_for_less_in_time(gray):
     first = next(n for n, one in enumerate(judged) if one.taken is not None)
     assert 4 < first / FPS < 10
     assert weakness(judged[first].taken) == "the expression was hardly made"
+
+
+def test_a_slow_computer_that_leaves_frames_out_is_no_slow_camera(gray):
+    judge = CaptureJudge()
+    # Every fifth frame of 30 a second is looked at.
+    seen = [judge.step(frame_of(gray, 5 * n), state_of(), landmarks()) for n in range(60)]
+    assert {one.advice for one in seen} == {""}
+
+
+def test_another_camera_with_a_clock_of_its_own_is_not_slow(gray):
+    judge = CaptureJudge()
+    play(judge, gray, state_of(), n_frames=60, start=3000)
+    assert {one.advice for one in play(judge, gray, state_of(), n_frames=60)} == {""}
