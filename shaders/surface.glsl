@@ -5,7 +5,7 @@ in float v_key;  // strength of the key light's highlight
 in vec2 v_uv;
 in vec3 v_extra;  // openness to the light, two values of the material
 in vec3 v_light;  // diffuse light
-in float v_sheen;  // mirrored light of fill, rim and surroundings
+in float v_sheen;  // mirrored light of all lights and the surroundings
 
 out vec4 out_color;
 

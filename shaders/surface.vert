@@ -71,5 +71,6 @@ void main() {
     v_extra = in_extra.yzw;
     v_light = light;
     v_sheen = sheen * open;
+    if (!strands) v_sheen += v_key * glint(normal, view, light_direction[0], roughness2);
     gl_Position = projection * place;
 }

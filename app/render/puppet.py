@@ -6,6 +6,7 @@ from app.render.avatar import Avatar, Part
 from app.render.eyeball import eyeball, gaze_matrix
 from app.render.renderer import Item, Renderer
 from app.render.scene import Mesh, Uniforms
+from app.render.thinning import thinned
 from core.arkit import EXPRESSION_NAMES
 from core.geometry import (
     matrix_from_rotation_vector,
@@ -45,15 +46,27 @@ def lids_following(expression: FloatArray, gaze_rad: FloatArray) -> FloatArray:
 class Puppet:
     """An avatar on the graphics card."""
 
-    def __init__(self, renderer: Renderer, avatar: Avatar) -> None:
+    def __init__(self, renderer: Renderer, avatar: Avatar, exact: bool = True) -> None:
+        """Upload an avatar.
+
+        Args:
+            renderer: What draws it.
+            avatar: Who.
+            exact: Draw every triangle; otherwise a software driver draws fewer, which nobody
+                sees in a picture of a usual size.
+        """
         self._avatar = avatar
+        parts = avatar.parts
+        if renderer.software and not exact:
+            parts = tuple(thinned(part, avatar.neutral_mm) for part in parts)
+        self._parts = parts
         self._vertices = avatar.neutral_mm.copy()
         self._normals = np.empty_like(self._vertices)
         vertex_normals(self._vertices, avatar.triangles, self._normals)
-        self._buffers = [np.empty((len(part.rows), 6), np.float32) for part in avatar.parts]
+        self._buffers = [np.empty((len(part.rows), 6), np.float32) for part in parts]
         self._drawables = [
             renderer.upload(_mesh(part, self._vertices, self._normals), part.material)
-            for part in avatar.parts
+            for part in parts
         ]
         self._directions, uv, triangles = eyeball()
         extra = np.tile(np.array([0, 1, 1, 0], np.float32), (len(uv), 1))
@@ -103,9 +116,7 @@ class Puppet:
             weights, avatar.delta_starts, avatar.delta_rows, avatar.deltas_mm, self._vertices
         )
         vertex_normals(self._vertices, avatar.triangles, self._normals)
-        for part, drawable, buffer in zip(
-            avatar.parts, self._drawables, self._buffers, strict=True
-        ):
+        for part, drawable, buffer in zip(self._parts, self._drawables, self._buffers, strict=True):
             interleave(self._vertices, self._normals, part.rows, buffer)
             drawable.move(buffer)
 
