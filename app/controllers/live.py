@@ -147,6 +147,12 @@ class LiveController(QObject):
         self._performing.swap(performer)
         self.swapped.emit()
 
+    def lend(self) -> None:
+        """Give the source back: until the next one is chosen, others show what they play."""
+        self.player.play(None)
+        self._showing.lent = True
+        self._window.transport.hide()
+
     # -- choices -------------------------------------------------------------------------
 
     def _connect_window(self, window: LiveWindow) -> None:

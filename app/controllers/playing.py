@@ -62,7 +62,7 @@ class PlayingDesk(QObject):
     def play(self, take: Take) -> None:
         """Play a take from where its trim begins; the source is given back."""
         self._end()
-        self._controller.player.play(None)
+        self._controller.lend()
         self._take, self._now_s, self._playing = take, take.range_s[0], True
         playback = Playback(take, self._show, self._user_of, self)
         playback.ready.connect(self._controller.scene.enter)

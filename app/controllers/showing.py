@@ -21,7 +21,12 @@ from core.records import FaceState, Frame
 
 
 class Showing(QObject):
-    """The screen's side of the live view; remembers the newest state."""
+    """The screen's side of the live view; remembers the newest state.
+
+    Attributes:
+        state: The newest one.
+        lent: Whether what is shown is a take, not the source.
+    """
 
     def __init__(self, window: LiveWindow, maker: MeshMaker, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -30,9 +35,11 @@ class Showing(QObject):
         self._meter, self._match = Meter(), DelayMatch()
         self._cpu, self._trouble, self._drawn = CpuShare(), "", Drawn()
         self.state: FaceState | None = None
+        self.lent = False
 
     def reset(self) -> None:
         """Begin anew with another source."""
+        self.lent = False
         self.state, self._trouble = None, ""
         self._meter.reset()
         self._match.reset()
@@ -81,6 +88,7 @@ class Showing(QObject):
         meter = self._meter
         has_picture = self._window.source_pane.has_picture
         name = state_name(busy, bool(self._trouble), has_picture, self.state, meter.confidence)
+        name = "take" if self.lent else name
         self._window.show_numbers(
             LiveNumbers(
                 name, meter.confidence, meter.frames_per_second(), meter.solve_ms,

@@ -10,6 +10,7 @@ GOOD, WAITING, OFF = QColor(46, 160, 67), QColor(219, 140, 0), QColor(128, 128, 
 #: State -> what people read, colour of the lamp. The text says all that the colour says.
 STATES = {
     "off": ("No source", OFF),
+    "take": ("Playing a take", GOOD),
     "gone": ("Camera gone: waiting for it", WAITING),
     "opening": ("Opening…", WAITING),
     "searching": ("Searching for the face", WAITING),

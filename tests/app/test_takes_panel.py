@@ -205,6 +205,7 @@ def test_a_take_is_played_at_its_times_by_the_avatar_beside_its_pictures(open_ta
     assert wish.state.expression[JAW] == pytest.approx(0.02 * number, abs=1e-6)
     assert wish.solved.expression[JAW] == pytest.approx(0.01 * number, abs=1e-6)
     assert desk.takes.badge.shown.startswith("Playing") and desk.window.source_pane.has_picture
+    desk.until(lambda: desk.window.status.state == "Playing a take")
     desk.click(desk.panel.player.live_button)
     desk.live()
     assert desk.takes.playing.take is None and desk.panel.player.isHidden()
