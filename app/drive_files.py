@@ -1,7 +1,9 @@
 """Settings of the drive on disk: one file for each profile and avatar, and presets by name.
 
-    settings/drive/PROFILE/AVATAR.json       the settings and the centre
+    settings/drive/PROFILE/AVATAR.json       the settings
     settings/drive/PROFILE/AVATAR.json.last  the same before the last change
+    settings/drive/PROFILE/centre            where the user sits and how the face rests, whatever
+                                             the avatar
     settings/presets/NAME.json               settings that the user gave a name
 
 A file is replaced in one step. One that cannot be read is put aside, and the last good one, or what
@@ -76,6 +78,8 @@ def drive_file(profile: str, avatar: str) -> Path:
 def load_kept(profile: str, avatar: str) -> Kept:
     """Return what is kept; of an avatar that is new what the profile's last one uses."""
     path = drive_file(profile, avatar)
+    place = _read(_centre_file(path))
+    centre = None if isinstance(place, str) else centre_from_plain(place)
     notes: list[str] = []
     for one in (path, _last(path), *_others(path)):
         if not one.exists():
@@ -85,10 +89,10 @@ def load_kept(profile: str, avatar: str) -> Kept:
             notes.append(f"{one} {found}: not used")
             _put_aside(one)
             continue
-        settings, doubts = settings_from_plain(found.get("settings"), FIRST)
+        settings, doubts = settings_from_plain(found, FIRST)
         notes += [f"{one}: {doubt}" for doubt in doubts]
-        return Kept(settings, centre_from_plain(found.get("centre")), tuple(notes))
-    return Kept(FIRST, None, tuple(notes))
+        return Kept(settings, centre, tuple(notes))
+    return Kept(FIRST, centre, tuple(notes))
 
 
 def save_kept(profile: str, avatar: str, kept: Kept) -> None:
@@ -97,9 +101,10 @@ def save_kept(profile: str, avatar: str, kept: Kept) -> None:
     Raises:
         SettingsUnwritableError: They cannot be written; what was there is unchanged.
     """
-    centre = None if kept.centre is None else centre_to_plain(kept.centre)
-    plain = {"settings": settings_to_plain(kept.settings), "centre": centre}
-    _write(drive_file(profile, avatar), plain, keep_last=True)
+    path = drive_file(profile, avatar)
+    _write(path, settings_to_plain(kept.settings), keep_last=True)
+    centre = {} if kept.centre is None else centre_to_plain(kept.centre)
+    _write(_centre_file(path), centre, keep_last=False)
 
 
 def preset_names() -> list[str]:
@@ -147,6 +152,10 @@ def _preset_folder() -> Path:
 
 def _preset_file(name: str) -> Path:
     return _preset_folder() / f"{quote(name, safe=' ')}.json"
+
+
+def _centre_file(path: Path) -> Path:
+    return path.with_name("centre")
 
 
 def _last(path: Path) -> Path:

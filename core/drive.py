@@ -209,6 +209,7 @@ class Drive:
     def _put_centre(self, centre: Centre | None) -> None:
         self._head.put(centre)
         self._rest = np.zeros(len(EXPRESSION_NAMES)) if centre is None else centre.expression.copy()
+        self._presence.bridge(self.settings.idle.back_s)
 
     def _seen_face(
         self, state: FaceState, tables: _Tables, step_s: float, elapsed_s: float

@@ -46,7 +46,7 @@ class GroupCutoff:
 #: Standard deviation from frame to frame of the coefficients of a still face, by how their names
 #: start; measured on the virtual performers and rounded up.
 NOISE: dict[str, float] = {
-    "eyeWide": 0.02, "eyeBlink": 0.008, "eyeSquint": 0.006, "brow": 0.012, "cheekPuff": 0.02,
+    "eyeWide": 0.04, "eyeBlink": 0.008, "eyeSquint": 0.006, "brow": 0.012, "cheekPuff": 0.02,
     "mouthPucker": 0.018, "mouthFunnel": 0.01, "jaw": 0.01,
 }  # fmt: skip
 OTHER_NOISE = 0.007

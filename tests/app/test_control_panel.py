@@ -1,6 +1,7 @@
 """The control panel in the live window: every setting reaches the drive, is kept, and undone."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,17 +22,19 @@ from PySide6.QtWidgets import (
 
 from app.controllers.controlling import Controlling
 from app.controllers.desk import open_desk
+from app.controllers.player import Performer
 from app.controllers.toolbox import Toolbox
 from app.drive_files import FIRST, drive_file, load_kept
 from app.views.control.feel_page import CENTRE_ROWS, SECTIONS
 from app.views.control.response_model import COLUMNS
 from app.views.control.words import PARTS, plain_name, short_name, told_weights
 from core.arkit import EXPRESSION_NAMES
+from core.blink_levels import BlinkLevels
 from core.drive_presets import KEYS, PRESETS
 from core.drive_settings import DriveSettings
 from core.geometry import head_angles_from_matrix, matrix_from_quaternion
 from tests.app.gl import renderer_or_skip
-from tests.app.live_fakes import FakeToolbox
+from tests.app.live_fakes import FakeToolbox, FakeTracker
 from tests.core.driven_faces import FPS, face, index, solved
 
 ROWS = [row for rows in (*SECTIONS.values(), CENTRE_ROWS) for row in rows]
@@ -441,6 +444,21 @@ def test_settings_are_kept_for_the_profile_and_the_avatar(desk, qtbot):
     desk.window.avatar_chosen.emit("own")
     assert desk.drive.settings.head.yaw == anna
     assert not desk.panel.presets.undo_button.isEnabled()
+
+
+def test_the_lids_of_a_profile_are_known_and_those_of_a_stranger_learned(qtbot):
+    levels = BlinkLevels(np.array([0.1, 0.1]), np.array([0.7, 0.8]))
+    user = SimpleNamespace(rest_wxyz=np.array([0.8, 0.6, 0.0, 0.0]))
+    toolbox = FakeToolbox(profiles=("anna",))
+    toolbox.open_profile = lambda _: Performer(FakeTracker(toolbox, "trained"), user, levels=levels)
+    window, controller = open_desk(toolbox)
+    qtbot.addWidget(window)
+    window.show()
+    controller.start()
+    qtbot.waitUntil(lambda: controller.drive.levels is levels)
+    window.profile_chosen.emit("")
+    qtbot.waitUntil(lambda: controller.drive.levels is not levels)
+    window.close()
 
 
 def test_settings_are_written_when_nothing_was_changed_for_a_second_and_at_the_end(desk, qtbot):

@@ -29,14 +29,21 @@ CENTRE = Centre(np.array([1.0, 0, 0, 0]), np.array([10.0, 0, 500.0]))
 
 def test_settings_are_kept_for_each_profile_and_avatar():
     save_kept("anna", "nora", Kept(MINE, CENTRE))
-    save_kept("anna", "leo", Kept(OTHER))
+    save_kept("anna", "leo", Kept(OTHER, CENTRE))
     kept = load_kept("anna", "nora")
     assert kept.settings == MINE
     assert kept.notes == ()
-    np.testing.assert_array_equal(kept.centre.translation_mm, CENTRE.translation_mm)
     assert load_kept("anna", "leo").settings == OTHER
-    assert load_kept("anna", "leo").centre is None
     assert load_kept("bert", "nora").settings == FIRST
+
+
+def test_the_centre_is_kept_for_the_profile_whatever_the_avatar():
+    save_kept("anna", "nora", Kept(MINE, CENTRE))
+    there = load_kept("anna", "viktor").centre
+    np.testing.assert_array_equal(there.translation_mm, CENTRE.translation_mm)
+    assert load_kept("bert", "nora").centre is None
+    save_kept("anna", "leo", Kept(MINE))
+    assert load_kept("anna", "nora").centre is None
 
 
 def test_a_new_avatar_begins_with_what_the_profile_used_last():
@@ -45,7 +52,7 @@ def test_a_new_avatar_begins_with_what_the_profile_used_last():
     assert load_kept("", "viktor").settings == FIRST
 
 
-@pytest.mark.parametrize("content", ["", "{", "[1, 2]", '{"settings": 3'])
+@pytest.mark.parametrize("content", ["", "{", "[1, 2]", '{"head": 3'])
 def test_of_a_broken_file_the_last_good_state_is_used_and_told(content):
     save_kept("anna", "nora", Kept(MINE))
     save_kept("anna", "nora", Kept(OTHER))

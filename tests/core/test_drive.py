@@ -118,6 +118,18 @@ def test_with_a_set_centre_the_first_picture_shows_it_so_that_the_view_is_centre
     assert largest_step(states)[1] < 20
 
 
+def test_another_centre_while_a_face_is_seen_makes_no_jump():
+    drive = Drive(QUIET)
+    states = stay(drive, 0.5, angles_deg=(15, 0, 0))
+    drive.put_centre(Centre(states[0].rotation_wxyz, np.array([0, 0, 600.0])))
+    states += stay(drive, 0.6, 0.5, angles_deg=(15, 0, 0))
+    drive.put_centre(None)
+    states += stay(drive, 0.6, 1.1, angles_deg=(15, 0, 0))
+    assert largest_step(states)[2] < 4
+    np.testing.assert_allclose(seen_deg(states[31]), 0, atol=1e-6)
+    np.testing.assert_allclose(seen_deg(states[-1]), [15, 0, 0], atol=1e-6)
+
+
 def test_the_middle_is_how_the_avatars_view_thinks_the_user_usually_looks():
     usual = quaternion_from_matrix(matrix_from_head_angles(0.0, -0.3, 0.0))
     drive = Drive(QUIET)
