@@ -24,6 +24,7 @@ SPAN_S, SPAN_FRAMES = 10.0, 320
 N_COEFFICIENTS = 8
 #: Times are counted in bins of so many ms, the last one of all that took longer.
 BIN_MS, LONGEST_MS = 1.0, 50.0
+DONE = object()
 ANGLES = ("yaw", "pitch", "roll")
 
 
@@ -38,9 +39,11 @@ class Plotting(QObject):
         self._latency_ms: deque[float] = deque(maxlen=SPAN_FRAMES)
         self._job: Job | None = None
         self._listens = False
-        self.coefficients = Plot("s", "coefficient")
-        self.angles = Plot("s", "degrees")
-        self.times = Plot("ms", "frames")
+        self.coefficients = Plot(("s", "coefficient"), N_COEFFICIENTS, (0.0, 1.0))
+        self.angles = Plot(("s", "degrees"), len(ANGLES))
+        self.times = Plot(("ms", "frames"), 2)
+        self._building: Generator[None, None, None] | None = None
+        self._pyqtgraph: Any = None
         self._plots = (self.coefficients, self.angles, self.times)
         for key, title, plot in (
             ("plot_coefficients", "Plot of coefficients", self.coefficients),
@@ -112,15 +115,27 @@ class Plotting(QObject):
     # -- loading --------------------------------------------------------------------------
 
     def _load(self) -> None:
+        if self._pyqtgraph is not None and self._building is None:
+            self._build()
         if self._job is None:
             self._job = Job(_loading(), self)
             self._job.returned.connect(self._on_loaded)
             self._job.start()
 
     def _on_loaded(self, pyqtgraph: Any) -> None:
-        for plot in self._plots:
-            plot.build(pyqtgraph)
-        self.coefficients.set_range(0.0, 1.0)
+        self._pyqtgraph = pyqtgraph
+        self._build()
+
+    def _build(self) -> None:
+        """Go a step on with a plot that is open, until all that are open are made."""
+        if self._building is None:
+            missing = [plot for plot in self._plots if plot.isVisible() and not plot.built]
+            if not missing:
+                return
+            self._building = missing[0].build(self._pyqtgraph)
+        if next(self._building, DONE) is DONE:
+            self._building = None
+        QTimer.singleShot(0, self, self._build)
 
     def _on_ending(self) -> None:
         self._timer.stop()

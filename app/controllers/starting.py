@@ -4,6 +4,7 @@ Loading numba, the models' code and the panels' takes more than a second. The wi
 for it, and answers meanwhile.
 """
 
+import gc
 from collections.abc import Generator
 from typing import TYPE_CHECKING, Any
 
@@ -46,6 +47,8 @@ class Starting(QObject):
 
     def _on_loaded(self, modules: tuple[Any, Any]) -> None:
         desk, toolbox = modules
+        # Python's collector would look through all that was loaded again and again, for 100 ms.
+        gc.freeze()
         self.controller = desk.furnish(self._window, toolbox.Toolbox())
         self.controller.start()
         self.ready.emit(self.controller)

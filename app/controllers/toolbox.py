@@ -1,5 +1,6 @@
 """What the live window's controller needs from the rest of the program, in one place."""
 
+import gc
 from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
 from functools import cached_property
@@ -188,6 +189,9 @@ class Toolbox:
     def _models(self) -> Models:
         models = load_models()
         warm_up(models.face_model)
+        # Python's collector shall not look through all of them and numba's code again and again:
+        # that takes 100 ms, in which no thread goes on.
+        gc.freeze()
         return models
 
 

@@ -3,7 +3,7 @@
 pyqtgraph's module is passed in: loading it takes a while, which is done elsewhere.
 """
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,9 +38,24 @@ class Plot(QWidget):
 
     wanted = Signal()  # shown for the first time: `build` is to be called
 
-    def __init__(self, x_text: str, y_text: str, parent: QWidget | None = None) -> None:
+    def __init__(
+        self,
+        texts: tuple[str, str],
+        n_curves: int,
+        y_range: tuple[float, float] | None = None,
+        parent: QWidget | None = None,
+    ) -> None:
+        """Make an empty one.
+
+        Args:
+            texts: What runs to the right, and upwards.
+            n_curves: At most len(COLORS).
+            y_range: Of the vertical axis; None: as the curves need.
+            parent: Of the widget.
+        """
         super().__init__(parent)
-        self._texts = {"bottom": x_text, "left": y_text}
+        self._n_curves, self._range = n_curves, y_range
+        self._texts = {"bottom": texts[0], "left": texts[1]}
         self._notice = QLabel(LOADING)
         self._notice.setMargin(12)
         self._layout = QVBoxLayout(self)
@@ -51,7 +66,7 @@ class Plot(QWidget):
         self._plot: Any = None
         self._legend: Any = None
         self._lines: list[Any] = []
-        self._names: list[str] = []
+        self._names: tuple[str, ...] = ()
 
     @property
     def built(self) -> bool:
@@ -61,39 +76,44 @@ class Plot(QWidget):
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the curves that are shown."""
-        return tuple(self._names)
+        return self._names
 
-    def build(self, pyqtgraph: Any) -> None:
-        """Make the plot."""
-        if self.built:
-            return
+    def build(self, pyqtgraph: Any) -> Generator[None, None, None]:
+        """Make the plot, in steps short enough for the window to answer between them."""
         self._pg = pyqtgraph
-        self._plot = pyqtgraph.PlotWidget()
-        self._plot.setMenuEnabled(False)
-        self._plot.hideButtons()
-        self._plot.showGrid(x=True, y=True, alpha=0.2)
-        self._plot.setAccessibleName(f"{self._texts['left']} over {self._texts['bottom']}")
-        self._legend = self._plot.addLegend(offset=(8, 4), verSpacing=-4)
-        self._notice.hide()
-        self._layout.addWidget(self._plot)
+        made = pyqtgraph.PlotWidget()
+        yield
+        made.setMenuEnabled(False)
+        made.hideButtons()
+        made.showGrid(x=True, y=True, alpha=0.2)
+        made.setAccessibleName(f"{self._texts['left']} over {self._texts['bottom']}")
+        self._legend = made.addLegend(offset=(8, 4), verSpacing=-4)
+        yield
+        for color in COLORS[: self._n_curves]:
+            # Wider lines are drawn many times slower.
+            self._lines.append(made.plot(name=" ", pen=pyqtgraph.mkPen(color, width=1)))
+            yield
+        self._plot = made
+        if self._range is not None:
+            made.setYRange(*self._range, padding=0.02)
         self._follow_theme()
+        self._notice.hide()
+        self._layout.addWidget(made)
 
     def show_curves(self, curves: Sequence[Curve], *, steps: bool = False) -> None:
         """Show curves in place of those before.
 
         Args:
-            curves: In the order of their colours.
+            curves: As many as were promised.
             steps: The curves are histograms: x are edges, one more than y.
         """
-        names = [curve.name for curve in curves]
+        names = tuple(curve.name for curve in curves)
         if names != self._names:
-            self._name_lines(names)
+            for line, name in zip(self._lines, names, strict=True):
+                self._legend.getLabel(line).setText(name)
+            self._names = names
         for line, curve in zip(self._lines, curves, strict=True):
             line.setData(curve.x, curve.y, stepMode="center" if steps else None)
-
-    def set_range(self, low: float, high: float) -> None:
-        """Fix the vertical axis."""
-        self._plot.setYRange(low, high, padding=0.02)
 
     def showEvent(self, event: QShowEvent) -> None:
         """Ask for what is needed to plot."""
@@ -107,22 +127,13 @@ class Plot(QWidget):
         if event.type() == QEvent.Type.PaletteChange and self.built:
             self._follow_theme()
 
-    def _name_lines(self, names: list[str]) -> None:
-        for line in self._lines:
-            self._plot.removeItem(line)
-        self._lines = [
-            self._plot.plot(name=name, pen=self._pg.mkPen(COLORS[place % len(COLORS)], width=1.5))
-            for place, name in enumerate(names)
-        ]
-        self._names = names
-
     def _follow_theme(self) -> None:
         palette = self.palette()
         text = palette.color(QPalette.ColorRole.WindowText)
         self._plot.setBackground(palette.color(QPalette.ColorRole.Base))
         self._legend.setLabelTextColor(text)
-        for side, label in self._texts.items():
+        for side, name in self._texts.items():
             axis = self._plot.getAxis(side)
             axis.setPen(text)
             axis.setTextPen(text)
-            axis.setLabel(label, color=text.name())
+            axis.setLabel(name, color=text.name())
