@@ -27,23 +27,20 @@ COMPARED = (
 )
 
 
-def report_html(name: str, report: Mapping[str, Any], pictures: Mapping[str, str] | None = None,
-                links: bool = True) -> str:  # fmt: skip
+def report_html(name: str, report: Mapping[str, Any], links: bool = True) -> str:
     """Return what stands in the body of a report.
 
     Args:
         name: Of the profile.
         report: As core.pipeline makes it.
-        pictures: Title -> address of plots to show at the end.
         links: Whether names of pictures are links that open them.
     """
     held: Mapping[str, Any] = report.get("held_out") or {}
     parts = [f"<h2>{escape(name)}</h2>", _summary(report, held), _change(report)]
     if held:
         free = report.get("free") or {}
-        parts += [_modes(held, free), _by_yaw(held, free), _by_expression(held, free)]
-        parts.append(_worst(report, held, links))
-    parts += [_weak(report), _figures(pictures or {})]
+        parts += [_modes(held, free), _weak(report), _worst(report, held, links)]
+        parts += [_by_yaw(held, free), _by_expression(held, free)]
     return "".join(parts)
 
 
@@ -127,7 +124,7 @@ def _parts(
         without = _number(other, "median_rmse_px", " px")
         rows.append((escape(text), median, turn, without, f"{facts['tries']}"))
     head = (what, "median error", "head off by", "without training", "tries")
-    return f"<p></p>{_table(head, rows)}"
+    return f"<h3>By {'head turn' if key == 'by_yaw' else 'expression'}</h3>{_table(head, rows)}"
 
 
 def _worst(report: Mapping[str, Any], held: Mapping[str, Any], links: bool) -> str:
@@ -157,17 +154,10 @@ def _weak(report: Mapping[str, Any]) -> str:
     return f"<h3>What will be weak on your avatar, and why</h3><ul>{items}</ul>"
 
 
-def _figures(pictures: Mapping[str, str]) -> str:
-    return "".join(
-        f"<figure><img src='{address}' alt='{escape(title)}'></figure> "
-        for title, address in pictures.items()
-    )
-
-
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     top = "".join(f"<th align='left'>{cell}</th>" for cell in head)
     body = "".join("<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" for row in rows)
-    return f"<table cellpadding='4'><tr>{top}</tr>{body}</table>"
+    return f"<table cellpadding='2'><thead><tr>{top}</tr></thead>{body}</table>"
 
 
 def _angles(facts: Mapping[str, Any]) -> str:

@@ -229,7 +229,7 @@ class Workbook:
             CoreError: The profile is as it was.
         """
         drafted = set(self._draft.names())
-        steps = make_profile(model, self._pictures(), self._given_focal_px(), rng)
+        steps = make_profile(model, self._pictures(), self.given_focal_px, rng)
         profile, used = yield from steps
         kept = keep(self.folder, profile, used, **history(self.profile))
         # Somebody else may have put a picture meanwhile.
@@ -246,7 +246,9 @@ class Workbook:
         marks = tuple(self._landmarks[name] for name in names)
         return Pictures(images, marks, (), tuple(self.automatic(name) for name in names))
 
-    def _given_focal_px(self) -> float | None:
+    @property
+    def given_focal_px(self) -> float | None:
+        """The focal length if the user gave it, None if it is found in each training."""
         if self.profile is None or self.profile.report.get("focal_source") != "given":
             return None
         return self.profile.camera.focal_px

@@ -139,6 +139,21 @@ def held_out_report(
     return _report(pictures, tries) | {"stages": curves.told}
 
 
+def all_watched(
+    pictures: Measured, rng: np.random.Generator, settings: HeldOutSettings
+) -> dict[str, TrainingSet]:
+    """Return what shows how a training on all pictures gets on: pairs on some of them.
+
+    Args:
+        pictures: All of them.
+        rng: Goes on as if nothing had been drawn.
+        settings: Of the test.
+    """
+    rows = range(0, len(pictures.names), max(settings.every // 2, 1))
+    known = range(len(pictures.names))
+    return {"all_px": watched_pairs(pictures, rows, known, rng.spawn(1)[0], settings)}
+
+
 def _nearest(shapes_mm: FloatArray, rows: Sequence[int], others: Sequence[int]) -> list[int]:
     """Return those of the others that are most like one of the rows, each once."""
     allowed, order = set(others), similar_shapes(shapes_mm, len(shapes_mm))

@@ -19,7 +19,13 @@ from core.expression_sight import sight_of
 from core.eye_reader import EyeReader
 from core.eye_trainer import EyePictures, train_eyes
 from core.face_model import FaceModel, eye_centers_mm
-from core.held_out import HeldOutSettings, Measured, held_out_report
+from core.held_out import (
+    HeldOutSettings,
+    Measured,
+    StageCurves,
+    all_watched,
+    held_out_report,
+)
 from core.model_fit import FitSettings, fit_model
 from core.records import (
     U8,
@@ -44,7 +50,7 @@ T = TypeVar("T")
 LEAST_PICTURES = 10
 
 #: What share of the whole work each stage takes, measured on 60 pictures.
-SHARES = {"calibrate": 0.3, "fit": 0.1, "recover": 0.05, "held_out": 0.25, "train": 0.3}
+SHARES = {"calibrate": 0.17, "fit": 0.03, "recover": 0.01, "held_out": 0.33, "train": 0.46}
 STEPS = 1000
 
 
@@ -180,8 +186,10 @@ def build(
         "held_out", held_out_report(tested, rng, training, settings.held_out)
     )
     samples = make_training_set(gray, camera, shapes.points_mm, rng, settings.training_set)
-    regressor = yield from stages.run("train", train(samples, rng, settings.train))
-    report = _report(focal, images, fit, shapes) | {"held_out": held_out}
+    curves = StageCurves(tested.px_at_640)
+    steps = train(samples, rng, settings.train, all_watched(tested, rng, settings.held_out))
+    regressor = yield from stages.run("train", curves.follow(steps))
+    report = _report(focal, images, fit, shapes) | {"held_out": held_out, "stages": curves.told}
     report |= _unfitted(given, sorting)
     report["weak_expressions"] = _weak(model, user, tested, report)
     kept, before = _chosen(given, found, sorting.kept)
@@ -216,6 +224,12 @@ LABELS = {
     "held_out": "Testing on held-out pictures",
     "train": "Training the regressor",
 }
+
+
+def stage_shares(focal_known: bool) -> dict[str, float]:
+    """Return the label of each stage in its order, and its share of the whole work."""
+    shares = {key: share for key, share in SHARES.items() if key != "calibrate" or not focal_known}
+    return {LABELS[key]: share / sum(shares.values()) for key, share in shares.items()}
 
 
 class _Stages:

@@ -105,7 +105,7 @@ def _seen_badly(sight: Sight, b: int) -> list[dict[str, object]]:
     if sight.alone[b] < _HARDLY:
         reasons.append({"kind": "small", "px": float(sight.largest_px[b])})
     other = int(sight.likeness[b].argmax())
-    confused = sight.certain[b] < _CONFUSED * sight.alone[b]
+    confused = sight.certain[b] < _CONFUSED * sight.alone[b] and not reasons
     if confused and sight.likeness[b, other] > _ALIKE:
         likeness = float(sight.likeness[b, other])
         reasons.append({"kind": "like", "other": EXPRESSION_NAMES[other], "likeness": likeness})

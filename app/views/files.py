@@ -1,6 +1,6 @@
 """Dialogs for files that do not make the program wait."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from PySide6.QtCore import QStandardPaths, Qt
 from PySide6.QtWidgets import QFileDialog, QWidget
@@ -22,17 +22,27 @@ def ask_for_folder(parent: QWidget, title: str, chosen: Callable[[str], object])
 
 
 def ask_where_to_save(
-    parent: QWidget, title: str, name: str, chosen: Callable[[str], object]
-) -> QFileDialog:
-    """Open a dialog for the name of a new file."""
+    parent: QWidget, title: str, name: str, chosen: Callable[[str], object],
+    filters: Sequence[str] = (),
+) -> QFileDialog:  # fmt: skip
+    """Open a dialog for the name of a new file; its ending follows the filter that is chosen."""
     folders = QStandardPaths.standardLocations(QStandardPaths.StandardLocation.DocumentsLocation)
     dialog = QFileDialog(parent, title, folders[0] if folders else "")
     dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
     dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
+    if filters:
+        dialog.setNameFilters(list(filters))
+        dialog.filterSelected.connect(lambda text: dialog.setDefaultSuffix(_suffix(text)))
+        dialog.setDefaultSuffix(_suffix(filters[0]))
     dialog.selectFile(name)
     dialog.fileSelected.connect(chosen)
     dialog.open()
     return dialog
+
+
+def _suffix(filter_text: str) -> str:
+    """Return the ending of a filter such as "PDF (*.pdf)"."""
+    return filter_text.rpartition("*.")[2].rstrip(")")
 
 
 def _ask(
