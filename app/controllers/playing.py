@@ -40,7 +40,6 @@ class PlayingDesk(QObject):
         self._playback: Playback | None = None
         self._take: Take | None = None
         self._now_s = 0.0
-        self._playing = False
         controller.source_changed.connect(lambda _: self._end())
         controller.ending.connect(self._end)
         box.wished.connect(self._on_wished)
@@ -57,13 +56,13 @@ class PlayingDesk(QObject):
     @property
     def playing(self) -> bool:
         """Whether the take goes on; else it stays at a frame."""
-        return self._playing
+        return self._playback is not None and self._playback.playing
 
     def play(self, take: Take) -> None:
         """Play a take from where its trim begins; the source is given back."""
         self._end()
         self._controller.lend()
-        self._take, self._now_s, self._playing = take, take.range_s[0], True
+        self._take, self._now_s = take, take.range_s[0]
         playback = Playback(take, self._show, self._user_of, self)
         playback.ready.connect(self._controller.scene.enter)
         playback.posted.connect(self._on_posted)
@@ -104,8 +103,8 @@ class PlayingDesk(QObject):
         if played is None:
             return
         moment = played.moment
-        self._now_s, self._playing = moment.play_s, played.playing
-        self._box.show_position(moment.play_s, played.playing)
+        self._now_s = moment.play_s
+        self._box.show_position(moment.play_s, self.playing)
         result = LiveResult(played.frame, moment.solved, moment.driven, 0.0)
         self._controller.player.framed.emit(result)
 
@@ -121,11 +120,11 @@ class PlayingDesk(QObject):
             return
         first_s, last_s = take.range_s
         if wish == "toggle":
-            self._playing = not self._playing
-            playback.play(self._playing)
-            self._box.show_position(self._now_s, self._playing)
+            playback.play(not playback.playing)
+            self._box.show_position(self._now_s, playback.playing)
         elif wish in STEPS:
             playback.step(STEPS[wish])
+            self._box.show_position(self._now_s, playing=False)
         elif wish in ("start", "end"):
             self._on_seek(first_s if wish == "start" else last_s)
         elif wish == "in":
@@ -149,5 +148,5 @@ class PlayingDesk(QObject):
         self._take = with_trim(self._take, range_s)
         self._playback.use_range(self._take.range_s)
         self._box.show_take(self._take.name, self._take.facts.seconds, self._take.range_s)
-        self._box.show_position(self._now_s, self._playing)
+        self._box.show_position(self._now_s, self.playing)
         self.trimmed.emit(self._take)

@@ -26,13 +26,11 @@ class Played:
         number: Of the take's frames.
         moment: What was recorded.
         frame: The picture, dark where none was kept.
-        playing: Whether the take goes on from here.
     """
 
     number: int
     moment: Moment
     frame: Frame
-    playing: bool
 
 
 class Playback(QThread):
@@ -67,6 +65,11 @@ class Playback(QThread):
         # When, on our clock, the take's time 0 would be.
         self._zero_s = 0.0
         self._index = FIRST_INDEX
+
+    @property
+    def playing(self) -> bool:
+        """Whether the take goes on; else it stays at a frame."""
+        return self._playing
 
     def play(self, playing: bool) -> None:
         """Go on, from the beginning if this is the end; or stay at this frame."""
@@ -180,7 +183,7 @@ class Playback(QThread):
         frame = blank(size_px, time_s, self._index) if reader is None else reader.frame(
             moment.video_index, size_px, time_s, self._index
         )  # fmt: skip
-        played = Played(number, moment, frame, self._playing)
+        played = Played(number, moment, frame)
         self._show(played)
         if self.results.put(played):
             self.posted.emit()
