@@ -84,8 +84,8 @@ class AvatarPanel(QScrollArea):
         self.zoom = LabelledSlider("Zoom", 40, 600, " %")
         self.brightness = LabelledSlider("Brightness", 30, 200, " %")
         self.color_button, self.picture_button = QPushButton(), QPushButton(NO_PICTURE_TEXT)
-        self.reset_button = QPushButton("Reset &view")
-        self.all_button = QPushButton("Reset a&ll")
+        self.reset_button = QPushButton("Reset view")
+        self.all_button = QPushButton("Reset all")
         self.quality = QLabel()
         self.quality.setWordWrap(True)
         self.quality.setAccessibleName("Quality of the avatar's picture")
@@ -122,6 +122,13 @@ class AvatarPanel(QScrollArea):
     # -- construction --------------------------------------------------------------------
 
     def _build(self) -> None:
+        for widget, tip in (
+            (self.turn, "The way round the avatar"),
+            (self.tilt, "See the avatar from above or from below"),
+            (self.reset_button, "See the avatar from the front again (double click on it)"),
+            (self.all_button, "Forget all that was chosen here for this avatar"),
+        ):
+            widget.setToolTip(tip)
         self.color_button.setAccessibleName("Colour of the background")
         self.picture_button.setAccessibleName("Picture of the background")
         content = QWidget()
@@ -129,25 +136,25 @@ class AvatarPanel(QScrollArea):
         layout.addWidget(
             _group(
                 "View",
-                ("&Framing", self.framing),
-                ("&Turn", self.turn),
-                ("&Height", self.tilt),
-                ("&Zoom", self.zoom),
+                ("Framing", self.framing),
+                ("Turn", self.turn),
+                ("Height", self.tilt),
+                ("Zoom", self.zoom),
                 ("", self.reset_button),
-                ("&Mirror", self.mirror),
+                ("Mirror", self.mirror),
             )
         )
         layout.addWidget(
             _group(
                 "Background",
-                ("&Kind", self.background),
+                ("Kind", self.background),
                 ("", self.color_button),
                 ("", self.picture_button),
             )
         )
-        lights = _group("Light", ("&Lights", self.lights), ("&Brightness", self.brightness))
+        lights = _group("Light", ("Lights", self.lights), ("Brightness", self.brightness))
         layout.addWidget(lights)
-        layout.addWidget(_group("Drawing", ("&Edges", self.samples), ("", self.quality)))
+        layout.addWidget(_group("Drawing", ("Edges", self.samples), ("", self.quality)))
         layout.addWidget(self.all_button)
         layout.addStretch(1)
         self.setWidget(content)

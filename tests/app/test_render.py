@@ -4,12 +4,13 @@ import moderngl
 import numpy as np
 import pytest
 
-from app.render.avatar import part_of, sparse_deltas
+from app.render.avatar import Part, part_of, sparse_deltas
 from app.render.context import RenderError, make_context
 from app.render.eyeball import EDGE_RAD, eyeball, gaze_matrix
 from app.render.programs import source
 from app.render.renderer import Item, Scene
 from app.render.scene import Lights, Material, Mesh, View, placed, studio_lights
+from app.render.thinning import simplified, thinned
 from app.render.thread import RenderThread
 from core.camera import camera_for, project
 from core.kernels.antialias import gray_of, lay_over, mark_edges, smooth_edges
@@ -323,3 +324,69 @@ def test_studio_lights_lie_before_the_subject_but_for_the_rim():
     assert key[2] < 0
     assert fill[2] < 0
     assert rim[2] > 0
+
+
+# -- thinning --------------------------------------------------------------------------
+
+
+def dome(steps=24):
+    """Half a ball of 50 mm with a flat rim, as a grid: points, triangles."""
+    x, y = np.meshgrid(*2 * [np.linspace(-60, 60, steps)])
+    z = -np.sqrt(np.maximum(50.0**2 - x**2 - y**2, 0))
+    points = np.column_stack([x.ravel(), y.ravel(), z.ravel()]).astype(np.float32)
+    first = (np.arange(steps - 1)[:, None] * steps + np.arange(steps - 1)).ravel()
+    quads = np.column_stack([first, first + 1, first + steps + 1, first + steps])
+    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int32)
+    return points, triangles
+
+
+def borders(triangles):
+    edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    unique, uses = np.unique(edges, axis=0, return_counts=True)
+    assert uses.max() <= 2
+    return {tuple(edge) for edge in unique[uses == 1]}
+
+
+@pytest.mark.parametrize("tolerance_mm", [0.3, 1.5])
+def test_a_thinned_surface_stays_where_it_was_and_has_no_hole(tolerance_mm):
+    points, triangles = dome()
+    left = simplified(points, triangles, tolerance_mm, 60.0, 0.05)
+    assert len(left) < 0.8 * len(triangles)
+    assert borders(left) == borders(triangles)
+    # Every vertex of before lies near the surface that is left.
+    a, b, c = (points[left[:, k]].astype(float) for k in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    height = np.abs(np.einsum("tk,vtk->vt", normals, points[:, None] - a))
+    middle = (a + b + c) / 3
+    near = np.argsort(np.linalg.norm(points[:, None] - middle, axis=2), axis=1)[:, :12]
+    assert np.take_along_axis(height, near, 1).min(axis=1).max() < 3 * tolerance_mm
+
+
+def test_more_tolerance_leaves_fewer_triangles_and_a_flat_sheet_hardly_any():
+    points, triangles = dome()
+    counts = [len(simplified(points, triangles, t, 60.0, 0.05)) for t in (0.0, 0.2, 0.8, 3.0)]
+    assert counts[0] == len(triangles)
+    assert counts == sorted(counts, reverse=True) and counts[3] < counts[1]
+    flat = points * np.array([1, 1, 0], np.float32)
+    assert len(simplified(flat, triangles, 0.2, 200.0, 0.01)) < 0.3 * len(triangles)
+    assert len(simplified(flat, triangles, 0.2, 6.0, 0.01)) > 0.9 * len(triangles)
+
+
+def test_a_thinned_part_draws_the_same_vertices_in_another_order():
+    points, triangles = dome()
+    rows = np.arange(len(points), dtype=np.int32)[::-1].copy()
+    extra = np.tile(points[:, :1], (1, 4))
+    part = Part(Material("plain", WHITE), rows, points[:, :2] / 120, extra, triangles)
+    neutral = points[::-1].copy()
+    thin = thinned(part, neutral)
+    assert len(thin.rows) < len(part.rows)
+    place = neutral[thin.rows]
+    np.testing.assert_array_equal(thin.uv, place[:, :2] / 120)
+    np.testing.assert_array_equal(thin.extra[:, 0], place[:, 0])
+    assert np.unique(thin.triangles).tolist() == list(range(len(thin.rows)))
+    # The front is drawn first.
+    z = place[thin.triangles][..., 2].mean(axis=1)
+    assert z[: len(z) // 4].max() < z[-len(z) // 4 :].min()
+    mouth = Part(Material("wet", WHITE, in_mouth=True), rows, part.uv, extra, triangles)
+    assert len(thinned(mouth, neutral).triangles) == len(triangles)
