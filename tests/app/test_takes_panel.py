@@ -66,6 +66,7 @@ class Desk:
         self.panel.list.setCurrentRow(0)
         self.click(self.panel.buttons["play"])
         self.until(lambda: self.takes.playing.take is not None)
+        self.until(lambda: not self.toolbox.open_now)
 
 
 @pytest.fixture
