@@ -14,8 +14,9 @@ from core.tracker import BLINKS
 
 #: Standard coefficient from which a picture shows a closed eye.
 _CLOSED = 0.9
-#: Limits of the levels: open is no more than this, and closed this much above it.
-MOST_OPEN, LEAST_SPAN = 0.4, 0.3
+#: Limits of the levels: open is no less than lids tremble, no more than the second number, and
+#: closed is this much above it.
+LEAST_OPEN, MOST_OPEN, LEAST_SPAN = 0.03, 0.4, 0.3
 #: Levels are learned from so many values, a bin each.
 _BINS = 64
 
@@ -41,14 +42,9 @@ class BlinkLevels:
         return np.asarray(np.minimum(np.maximum(share, 0.0), 1.0))
 
 
-def plain_levels() -> BlinkLevels:
-    """Return the levels of coefficients that are right as they are."""
-    return BlinkLevels(np.zeros(2), np.ones(2))
-
-
 def sound_levels(opened: FloatArray, closed: FloatArray) -> BlinkLevels:
     """Return levels within what can be."""
-    low = np.clip(opened, 0.0, MOST_OPEN)
+    low = np.clip(opened, LEAST_OPEN, MOST_OPEN)
     return BlinkLevels(low, np.clip(closed, low + LEAST_SPAN, 1.0))
 
 
@@ -105,13 +101,13 @@ class LearnedLevels:
         self._settings = settings or LevelSettings()
         self._seen_s = np.zeros((2, _BINS))
         self._open, self._closed = np.zeros(2), np.ones(2)
-        self.levels = plain_levels()
+        self.levels = sound_levels(self._open, self._closed)
 
     def forget(self) -> None:
         """Begin anew with another person."""
         self._seen_s[:] = 0
         self._open[:], self._closed[:] = 0, 1
-        self.levels = plain_levels()
+        self.levels = sound_levels(self._open, self._closed)
 
     def add(self, blinks: FloatArray, step_s: float) -> BlinkLevels:
         """Take blink coefficients (2,) into account and return the levels.

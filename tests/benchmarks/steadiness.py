@@ -8,6 +8,8 @@ statue   standard deviation over the take: head angles (worst of three, degrees)
          x and y, mm), coefficients (mean and worst); then the noise from frame to frame of the same
 lag      ms by which head angles, blinks and jaw come after the solved ones, by the shift of best
          correlation ("solved": after the truth)
+lids     of all frames in which an eye is really closed (open): the mean of its coefficient, and the
+         share of frames in which it is at least 0.95 (at most 0.05)
 peaks    how much of each blink and of each opening of the jaw is let through, in parts of the
          solved one: median and worst of all, and of the shortest ones
 
@@ -29,8 +31,10 @@ from app.performer.opening import PEOPLE, Scenario, open_performer, setup_pictur
 from app.setup_steps import Pictures, make_profile, unseen
 from app.studies.measures import head_angles_deg, shake
 from core.arkit import EXPRESSION_NAMES
+from core.blink_levels import BlinkLevels, blink_levels
 from core.drive import Drive
 from core.drive_presets import PRESETS
+from core.drive_settings import EyeSettings
 from core.live import resting_state
 from core.records import FaceState, SetupImages
 from core.setup_plan import standard_for
@@ -81,12 +85,16 @@ def make_tracks(folder, people, modes, clip):
             for take in TAKES
             if not (folder / f"{person}_{take}_{mode}.npz").exists()
         ]
+        levels = None
         if any(mode == "trained" for mode, _ in missing):
             profile = profile_of(models, person)
+            levels = blink_levels(profile.standard, profile.shapes.coefficients)
             ways["trained"] = lambda _, profile=profile: live_tracker(models, profile)
         for mode, take in missing:
             with open_performer(Scenario(take, person)) as source:
                 arrays = track(source, ways[mode](person), TAKES[take])
+            if mode == "trained" and levels is not None:
+                arrays["levels"] = np.array([levels.open, levels.closed])
             np.savez(folder / f"{person}_{take}_{mode}.npz", **arrays)
     if clip is not None and not (folder / f"{clip.stem}_clip_free.npz").exists():
         with VideoSource(clip) as source:
@@ -211,6 +219,27 @@ def report(folder, people, mode):
         if name != "solved":
             pairs = [(solved[k], by_take[k]) for k in solved if k[1] in ("talking", "mixed")]
             line(name, [*let_through(pairs, BLINKS), *let_through(pairs, [JAW])], ".2f")
+
+    print(f"\n{mode}, lids: closed: mean, share >= 0.95; open: mean, share <= 0.05")
+    for name in ("as tracked", "levels learned on the way", "levels of the profile"):
+        if name != "levels of the profile" or mode == "trained":
+            line(name, lids(tracks, solved, people, name), ".3f")
+
+
+def lids(tracks, solved, people, way):
+    """Return four figures, see above, over the takes with blinks."""
+    eyes = EyeSettings(own_levels=way != "as tracked", link_lids="never")
+    settings = replace(PRESETS["Natural"][1], eyes=eyes)
+    found, true = [], []
+    for key in ((person, take) for person in people for take in ("talking", "mixed")):
+        drive = Drive(settings)
+        if way == "levels of the profile":
+            drive.know_levels(BlinkLevels(*tracks[key]["levels"]))
+        found.append(values([drive.step(state) for state in solved[key]], "expression")[:, BLINKS])
+        true.append(tracks[key]["true_expression"][:, BLINKS])
+    found, true = np.concatenate(found), np.concatenate(true)
+    shut, wide = found[true > 0.9], found[true < 0.1]
+    return [shut.mean(), (shut >= 0.95).mean(), wide.mean(), (wide <= 0.05).mean()]
 
 
 def plain(preset):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from core.blink_levels import BlinkLevels, LearnedLevels, blink_levels, plain_levels
+from core.blink_levels import BlinkLevels, LearnedLevels, blink_levels
 from core.centring import Centre, centre_from_plain, centre_to_plain, rest_of, without_rest
 from core.drive_presets import face_key
 from core.drive_settings import DriveSettings, EyeSettings, Response, key_from
@@ -138,7 +138,8 @@ def test_levels_are_learned_from_a_face_that_blinks_and_not_from_one_that_sleeps
 
 
 def test_learned_levels_never_jump():
-    learned, last = LearnedLevels(), plain_levels()
+    learned = LearnedLevels()
+    last = learned.levels
     for k in range(20 * FPS):
         levels = learned.add(np.full(2, 0.65 if k % 60 < 6 else 0.2), 1 / FPS)
         assert np.abs(levels.closed - last.closed).max() < 0.02
