@@ -64,7 +64,7 @@ class PlayingDesk(QObject):
         self._controller.lend()
         self._take, self._now_s = take, take.range_s[0]
         playback = Playback(take, self._show, self._user_of, self)
-        playback.ready.connect(self._controller.scene.enter)
+        playback.ready.connect(self._on_ready)
         playback.posted.connect(self._on_posted)
         playback.failed.connect(self._on_failed)
         playback.repeat(self._box.loop_box.isChecked())
@@ -92,6 +92,11 @@ class PlayingDesk(QObject):
             playback.deleteLater()
             self._box.hide()
             self.changed.emit()
+
+    def _on_ready(self, user: UserBlendshapes | None) -> None:
+        if self._playback is not None:
+            self._controller.scene.enter(user)
+            self._playback.begin()
 
     def _show(self, played: Played) -> None:
         """Have a moment painted; called in the playback's thread."""

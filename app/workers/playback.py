@@ -36,7 +36,7 @@ class Played:
 class Playback(QThread):
     """Shows the moments of a take; wishes may come from any thread."""
 
-    ready = Signal(object)  # whose head the take's profile has, None if nobody's
+    ready = Signal(object)  # whose head the take's profile has, None if nobody's; then `begin`
     posted = Signal()  # `results` holds something new
     failed = Signal(object)  # AppError: the take cannot be played
 
@@ -58,6 +58,7 @@ class Playback(QThread):
         self._changed = Condition()
         self._range_s = take.range_s
         self._playing, self._loop, self._stopping = True, True, False
+        self._begun = False
         self._seek_s: float | None = take.range_s[0]
         self._by = 0
         self._rows: Rows | None = None
@@ -65,6 +66,12 @@ class Playback(QThread):
         # When, on our clock, the take's time 0 would be.
         self._zero_s = 0.0
         self._index = FIRST_INDEX
+
+    def begin(self) -> None:
+        """Show the first moment, now that the avatar knows whose head it has."""
+        with self._changed:
+            self._begun = True
+            self._changed.notify()
 
     @property
     def playing(self) -> bool:
@@ -142,6 +149,8 @@ class Playback(QThread):
     def _due(self, rows: Rows) -> tuple[int | None, float | None]:
         """Return the frame that is due, or how long nothing is; None: until a wish comes."""
         now_s, times_s = time.perf_counter(), rows["play_s"]
+        if not self._begun:
+            return None, None
         if self._by:
             number, self._by = min(max(self._now + self._by, 0), len(rows) - 1), 0
             return number, None
