@@ -223,7 +223,7 @@ def test_the_time_line_scrubs_and_keys_step_frame_by_frame(open_takes):
     assert not desk.takes.playing.playing
     slider.moved.emit(6.2 / 30)
     wishes = desk.toolbox.wishes
-    desk.until(lambda: wishes and wishes[-1].state.expression[JAW] == pytest.approx(0.12))
+    desk.until(lambda: len(wishes) > 0 and wishes[-1].state.expression[JAW] == pytest.approx(0.12))
     for key, number in ((Qt.Key.Key_Right, 7), (Qt.Key.Key_Period, 8), (Qt.Key.Key_Comma, 7),
                         (Qt.Key.Key_Left, 6)):  # fmt: skip
         QTest.keyClick(slider, key)
