@@ -34,21 +34,21 @@ def make_state(time_s=0.0, lost=False, confidence=0.9, mode="trained"):
 class FakeSource:
     """Gives grey frames of one level without end, some milliseconds apart."""
 
-    name, size_px, fps, live = "fake", (64, 48), 250.0, True
+    name, fps, live = "fake", 250.0, True
 
     def __init__(self, toolbox, key, level):
         self.toolbox, self.key, self.level, self.index = toolbox, key, level, 0
-        self.interrupted = threading.Event()
+        self.interrupted, self.size_px = threading.Event(), toolbox.size_px
         toolbox.open_now.add(self)
         toolbox.most_open = max(toolbox.most_open, len(toolbox.open_now))
 
     def read(self):
-        time.sleep(FRAME_S)
+        time.sleep(self.toolbox.frame_s)
         while self.toolbox.trouble and not self.interrupted.wait(FRAME_S):
             pass
         if self.toolbox.read_error is not None:
             raise self.toolbox.read_error
-        gray = np.full((48, 64), self.level, np.uint8)
+        gray = np.full(self.size_px[::-1], self.level, np.uint8)
         rgb = np.repeat(gray[..., None], 3, axis=2)
         self.index += 1
         return Frame(rgb, gray, self.index * FRAME_S, self.index - 1)
@@ -128,7 +128,7 @@ class FakeRenderThread:
     def ask(self, wish: LiveWish):
         self.toolbox.wishes.append(wish)
         if self.toolbox.render_error is None:
-            picture = np.full((48, 64, 4), 255, np.uint8)
+            picture = np.full((*self.toolbox.size_px[::-1], 4), 255, np.uint8)
             picture[..., :3] = AVATAR_LEVELS[wish.cast.avatar]
             self.done(Painted(picture, wish, time.perf_counter()))
 
@@ -147,7 +147,7 @@ class FakeToolbox:
         self.gate.set()
         self.ready.set()
         self.lost, self.confidence, self.trouble = False, 0.9, ""
-        self.editors = []
+        self.editors, self.size_px, self.frame_s = [], (64, 48), FRAME_S
         self.stranger, self.learned = False, None
         self.read_error = self.tracker_error = self.render_error = None
         self.wishes, self.render_threads = [], 0
