@@ -7,12 +7,14 @@ from typing import Protocol
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
+from app.capture.choose import camera_number
 from app.capture.source import FrameSource
 from app.controllers import camera_hold
 from app.controllers.camera_hold import CameraHold
 from app.controllers.camera_watch import Examiner
+from app.controllers.camera_words import GONE, trouble_in_short, trouble_text
 from app.controllers.previews import Previews
-from app.errors import AppError, CameraBusyError, CameraLostError, NoCameraError
+from app.errors import AppError
 from app.views.choice import Choice
 from app.views.picture_view import image_from_array
 from app.views.setup.camera_list import THUMB, CameraCard
@@ -30,7 +32,7 @@ from core.shot_quality import ADVICE
 LOOK_EVERY_MS = 2000
 #: Thumbnails need not be shown with every frame; so many blank ones in a row are told.
 THUMB_EVERY, BLANK_FRAMES = 3, 20
-OPENING, GONE = "Opening…", "Unplugged: plug it in again"
+OPENING, CLOSED = "Opening…", "Choose it to see it"
 BLANK = "No picture: is its lid or shutter closed?"
 FINE = "Light, distance, sharpness and speed are good."
 NO_CAMERA = (
@@ -130,13 +132,13 @@ class CameraController(QObject):
         for choice in found:
             known = before.get(choice.key)
             same = known is not None and known.name == choice.text and known.trouble != GONE
-            facts = choice.details or OPENING
+            facts = OPENING if is_camera(choice.key) else choice.details or CLOSED
             self._cards[choice.key] = (
                 known if same and known is not None else CameraCard(choice.key, choice.text, facts)
             )
         lost = before.get(self._chosen)
         if lost is not None and lost.key not in self._cards:
-            gone = replace(lost, trouble=GONE) if lost.key.startswith("camera") else lost
+            gone = replace(lost, trouble=GONE) if is_camera(lost.key) else lost
             self._cards = {lost.key: gone, **self._cards}
         if self._chosen not in self._cards and not self._by_user:
             cameras = [choice.key for choice in self._tools.cameras()]
@@ -235,11 +237,11 @@ class CameraController(QObject):
         self._page.cameras.show_thumb(key, None)
         card = self._cards.get(key)
         if card is not None and card.trouble != GONE:
-            self._set_card(key, card.facts, _in_short(error))
+            self._set_card(key, card.facts, trouble_in_short(error))
         if key != self._chosen:
             return
         self._page.live.show_image(None)
-        self._page.live.show_guide(Guide(advice=f"{_sentence(error)}. It is tried again."))
+        self._page.live.show_guide(Guide(advice=trouble_text(error, again=True)))
         self._page.show_verdict("")
         self._hold.forget()
         self._set_live(False)
@@ -254,14 +256,6 @@ class CameraController(QObject):
                 return
 
 
-def _in_short(error: CoreError | AppError) -> str:
-    if isinstance(error, CameraBusyError):
-        return f"Gives no picture: {error.reason}"
-    if isinstance(error, NoCameraError | CameraLostError):
-        return GONE
-    return _sentence(error)
-
-
-def _sentence(error: CoreError | AppError) -> str:
-    text = str(error)
-    return text[:1].upper() + text[1:]
+def is_camera(key: str) -> bool:
+    """Return whether a key is one of a camera that is plugged in, rather than of a file."""
+    return camera_number(key) is not None

@@ -6,6 +6,7 @@ import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.controllers.announcing import Announcer
+from app.controllers.camera_words import trouble_text
 from app.controllers.capture_tools import CaptureOpener, Tools
 from app.controllers.contact import cell_of
 from app.controllers.player import Player, Wanted
@@ -218,9 +219,8 @@ class CaptureController(QObject):
         """Say what is wrong; a camera is tried again by itself until it is back."""
         self.announcer.lost()
         again = self._source.startswith("camera")
-        hint = "It goes on by itself when it is back." if again else "Choose it again to go on."
         self._page.live.show_image(None)
-        self._page.live.show_guide(Guide(advice=f"{error}. {hint}"))
+        self._page.live.show_guide(Guide(advice=trouble_text(error, again)))
         self._show_sources()
         if again:
             self._retry.start(RETRY_MS)

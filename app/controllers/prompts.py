@@ -28,7 +28,7 @@ QUICK: tuple[str, ...] = (
 #: What can be asked for.
 PLANS: tuple[Choice, ...] = (
     Choice(ALL_KEY, f"All {len(ORDER)} pictures"),
-    Choice(QUICK_KEY, f"Quick: {len(QUICK)} now, the rest later"),
+    Choice(QUICK_KEY, f"Quick: {len(QUICK)} pictures", "The rest can be taken later"),
     *(Choice(one.key, f"More: {one.title.lower()}", one.reason) for one in SETS),
 )
 

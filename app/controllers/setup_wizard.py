@@ -131,6 +131,12 @@ class SetupController(QObject):
             self._enter(self._book, picture)
         self._unlock()
 
+    def add_pictures(self, key: str) -> None:
+        """Ask for more pictures for the profile that is open: a set of core.extra_shots."""
+        self.show("capture")
+        if self._step == "capture":
+            self.capturing.choose(key)
+
     # -- steps ---------------------------------------------------------------------------
 
     def _connect(self) -> None:
@@ -146,6 +152,7 @@ class SetupController(QObject):
         self.training.trained.connect(self._unlock)
         self.training.picture_wanted.connect(lambda name: self.show("check", name))
         self.training.live_wanted.connect(self._on_live)
+        self.training.more_wanted.connect(self.add_pictures)
 
     def _open(self, name: str) -> None:
         try:

@@ -14,14 +14,11 @@ from app.views.setup.start_page import StartPage
 from core.errors import CoreError
 
 CLEAR = (
-    "{n} pictures and the corrections of their landmarks will be deleted. The trained model stays, "
+    "{n} and the corrections of their landmarks will be deleted. The trained model stays, "
     "and your face is still followed with it. It can then only be improved with new pictures. "
     "This cannot be undone."
 )
-DELETE = (
-    "{n} pictures, their landmarks{model} ({size}) will be deleted. "
-    "This cannot be undone."
-)
+DELETE = "{what} ({size}) will be deleted. This cannot be undone."
 
 
 class Tools(Protocol):
@@ -77,7 +74,7 @@ class ShelfController(QObject):
 
     def clear(self, name: str) -> QMessageBox:
         """Ask, then delete the pictures of a profile."""
-        text = CLEAR.format(n=self._profile(name).n_pictures)
+        text = CLEAR.format(n=_counted(self._profile(name).n_pictures))
         return ask_to_confirm(
             self._page, f"Delete the pictures of {name}?", text, "&Delete the pictures",
             lambda: self._delete(self._tools.shelf().delete_pictures, name),
@@ -86,9 +83,11 @@ class ShelfController(QObject):
     def delete(self, name: str) -> QMessageBox:
         """Ask, then delete a profile."""
         found = self._profile(name)
-        model = " and the trained model" if found.trained else ""
-        size = size_text(found.size_bytes)
-        text = DELETE.format(n=found.n_pictures, model=model, size=size)
+        pictures = _counted(found.n_pictures)
+        what = f"{pictures} and their landmarks"
+        if found.trained:
+            what = f"{pictures}, their landmarks and the trained model"
+        text = DELETE.format(what=what, size=size_text(found.size_bytes))
         return ask_to_confirm(
             self._page, f"Delete the profile {name}?", text, "&Delete everything",
             lambda: self._delete(self._tools.shelf().delete, name),
@@ -124,3 +123,7 @@ class ShelfController(QObject):
         folder = self._tools.shelf().folder
         folder.mkdir(parents=True, exist_ok=True)
         QDesktopServices.openUrl(QUrl.fromLocalFile(str(folder / name if name else folder)))
+
+
+def _counted(n_pictures: int) -> str:
+    return f"{n_pictures} picture{'' if n_pictures == 1 else 's'}"

@@ -7,8 +7,9 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from app.controllers.camera_check import BLANK, FINE, GONE
+from app.controllers.camera_check import BLANK, FINE
 from app.controllers.camera_hold import CHANGED, GOOD_S, NEEDS_NONE, Patience
+from app.controllers.camera_words import GONE
 from app.setup_memory import SetupChoices, load_choices, save_choices
 from core.shot_quality import ADVICE
 from tests.app.live_fakes import CAMERA, OTHER_CAMERA, STILL

@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from app.controllers.capturing import ORDER, QUICK, told
-from app.errors import AppError
+from app.errors import CameraLostError
 from app.views.setup.setup_window import STEPS
 from app.workbook import Workbook
 from core.generations import ProfileUnwritableError
@@ -178,8 +178,8 @@ def test_a_camera_that_is_lost_is_told_and_comes_back(qtbot, setup):
     page = begin(qtbot, setup)
     shoot(qtbot, setup, 2)
     kept = sum(state != "missing" for state in page.sheet.states().values())
-    setup.tools.read_error = AppError("the camera was unplugged")
-    qtbot.waitUntil(lambda: "unplugged" in page.live.guide.advice, timeout=5000)
+    setup.tools.read_error = CameraLostError("Laptop camera", 90)
+    qtbot.waitUntil(lambda: "plug it in again" in page.live.guide.advice, timeout=5000)
     assert setup.tools.speaker.played[-1] == "trouble"
     setup.tools.read_error = None
     # Nobody touches anything: it goes on by itself.
@@ -295,7 +295,7 @@ def test_training_begins_with_all_pictures_and_plots_the_focal_length(qtbot, set
         page.train_button.click()
     qtbot.waitUntil(lambda: page.job_row.isHidden(), timeout=5000)
     assert len(setup.tools.trained_with[0]) >= 14
-    assert page._curve.getData()[0].tolist() == [600.0]
+    assert page.focal_plot.curve.getData()[0].tolist() == [600.0]
     close(setup)
 
 

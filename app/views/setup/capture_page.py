@@ -25,6 +25,9 @@ WISHES = {
     "pause": ("&Pause", "P", "Take no pictures until you go on"),
 }
 
+#: Letters of a camera's name and of a set of pictures that are seen without dropping a list down.
+NAME_LENGTH = 22
+
 
 class CapturePage(QWidget):
     """Shows the prompt, the live picture and all prompts."""
@@ -38,6 +41,8 @@ class CapturePage(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.sources, self.plans = Chooser("Camera"), Chooser("Which pictures")
+        for chooser in (self.sources, self.plans):
+            chooser.setMinimumContentsLength(NAME_LENGTH)
         self.live, self.target = GuideView("Live picture"), PictureView("What is asked for")
         self.live.setMinimumSize(320, 240)
         self.target.set_mirrored(True)

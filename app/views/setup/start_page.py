@@ -23,6 +23,17 @@ WELCOME = (
     "This takes five minutes, the training after it one or two. You can stop at any moment and go "
     "on later where you stopped.</p>"
 )
+#: What will happen, as long as there is room for it.
+STEPS_AHEAD = (
+    "<ol style='margin-left: 0px'>"
+    "<li><b>Profile:</b> a name for what is learned. You are here.</li>"
+    "<li><b>Camera:</b> choose it and see whether light and distance are good. One minute.</li>"
+    "<li><b>Pictures:</b> copy what you are shown, as in a mirror. Five minutes; a quick choice of "
+    "20 takes two.</li>"
+    "<li><b>Landmarks:</b> look at the few pictures in which points may be wrong. Optional.</li>"
+    "<li><b>Training:</b> the computer works for a minute or two, then you see how good it "
+    "is and go live.</li></ol>"
+)
 STORED = (
     "<b>Nothing leaves this computer.</b> The pictures, the points found in them and the trained "
     "models are kept in <code>{folder}</code>{size} and are sent nowhere."
@@ -48,8 +59,8 @@ class StartPage(QWidget):
         super().__init__(parent)
         self._trouble: Callable[[str], str] = lambda name: ""
         self._folder = ""
-        self.text, self.stored = QLabel(WELCOME), QLabel()
-        for label in (self.text, self.stored):
+        self.text, self.stored, self.ahead = QLabel(WELCOME), QLabel(), QLabel(STEPS_AHEAD)
+        for label in (self.text, self.stored, self.ahead):
             label.setWordWrap(True)
         self.name, self.remark = QLineEdit(), QLabel()
         self.name.setPlaceholderText("For example your first name")
@@ -80,6 +91,7 @@ class StartPage(QWidget):
         self.stored.setText(STORED.format(folder=self._folder, size=size))
         self.profiles.show_profiles(profiles)
         self._box.setVisible(bool(profiles))
+        self.ahead.setVisible(not profiles)
         self._show_possible()
         self._judge()
 
@@ -107,6 +119,7 @@ class StartPage(QWidget):
         layout.addWidget(self.text)
         layout.addLayout(row)
         layout.addWidget(self.remark)
+        layout.addWidget(self.ahead)
         layout.addWidget(self._box, stretch=10)
         layout.addStretch(1)
         layout.addLayout(foot)
