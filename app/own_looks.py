@@ -76,10 +76,10 @@ def load_likeness(user: UserBlendshapes) -> Likeness | None:
     if path is None:
         return None
     try:
-        with np.load(path, allow_pickle=False) as data:
+        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as data:
             told = json.loads(str(data["told"]))
             skin = _decoded(data) if "color" in data.files else None
-    except (OSError, KeyError, ValueError, BadZipFile):
+    except (OSError, EOFError, KeyError, ValueError, BadZipFile):
         return None
     if told.get("version") != VERSION:
         return None
@@ -135,9 +135,9 @@ def forget_skin(folder: Path) -> None:
     """Delete the skin that was made from pictures which are about to be deleted; keep colours."""
     for path in _folder().glob(f"{_place(folder)}-*.npz"):
         try:
-            with np.load(path, allow_pickle=False) as data:
+            with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as data:
                 told = data["told"]
-        except (OSError, KeyError, ValueError, BadZipFile):
+        except (OSError, EOFError, KeyError, ValueError, BadZipFile):
             path.unlink(missing_ok=True)
             continue
         buffer = io.BytesIO()
