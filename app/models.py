@@ -12,7 +12,7 @@ from core.cover_watch import CoverWatch
 from core.detection_policy import Detection
 from core.face_keeper import FaceKeeper
 from core.face_model import FaceModel, load_face_model
-from core.free_live import FreeTracker
+from core.free_live import FreeSettings, FreeTracker
 from core.landmark_flow import FlowSettings, LandmarkFollower
 from core.live import LiveSettings, LiveTracker, User
 from core.records import Camera, UserBlendshapes
@@ -70,12 +70,19 @@ def load_models() -> Models:
     )
 
 
+def face_keeper(models: Models) -> FaceKeeper:
+    """Return what stays with one face, gets to know it, and sees what covers it."""
+    return FaceKeeper(models.aligner, CoverWatch(models.aligner.mean))
+
+
 def live_tracker(
-    models: Models, profile: Profile, settings: LiveSettings | None = None
-) -> LiveTracker:
+    models: Models, profile: Profile, settings: LiveSettings | None = None,
+    keeper: FaceKeeper | None = None,
+) -> LiveTracker:  # fmt: skip
     """Return a tracker that follows the person of a profile."""
     user = User(profile.camera, profile.user, profile.regressor, profile.eyes)
-    return LiveTracker(models.face_model, user, models.aligner, models.prior, settings)
+    seeing = keeper or face_keeper(models)
+    return LiveTracker(models.face_model, user, seeing, models.prior, settings)
 
 
 def free_tracker(
@@ -90,13 +97,20 @@ def free_tracker(
         looking: How often the network looks.
         user: Whose face to begin with, None for the mean face.
     """
-    clock = time.thread_time if looking.measured else None
-    keeper = FaceKeeper(models.aligner, CoverWatch(models.aligner.mean))
-    follower = LandmarkFollower(models.aligner, FlowSettings(looking.detection), clock, keeper)
+    follower = _follower(models, looking, face_keeper(models))
     return FreeTracker(models.face_model, follower, camera, user=user)
 
 
 def auto_tracker(models: Models, profile: Profile, looking: Looking = LIVE) -> AutoTracker:
     """Return a tracker that uses a profile as long as its person is there."""
-    free = free_tracker(models, profile.camera, looking, profile.user)
-    return AutoTracker(live_tracker(models, profile, STRICT), free)
+    keeper = face_keeper(models)
+    free = FreeTracker(
+        models.face_model, _follower(models, looking, keeper), profile.camera,
+        FreeSettings(eased=False), profile.user,
+    )  # fmt: skip
+    return AutoTracker(live_tracker(models, profile, STRICT, keeper), free, keeper=keeper)
+
+
+def _follower(models: Models, looking: Looking, keeper: FaceKeeper) -> LandmarkFollower:
+    clock = time.thread_time if looking.measured else None
+    return LandmarkFollower(models.aligner, FlowSettings(looking.detection), clock, keeper)

@@ -11,16 +11,18 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from core.agreement import Look
+from core.face_keeper import FaceKeeper
 from core.free_live import FreeTracker
 from core.geometry import matrix_from_quaternion, rotation_facing_camera
 from core.live import LiveSettings, LiveTracker
 from core.mode_blend import StateBlend
 from core.profile_match import MatchSettings, ProfileMatch
 from core.records import Camera, FaceState, Frame, Landmarks2D
+from core.region_ease import RegionEase
 
 #: For the trained tracker: with another one at hand it need not get far before it counts as
 #: failing. On own faces regressor and aligner are up to 0.04 apart, on turned heads.
-STRICT = LiveSettings(disagreement=0.06)
+STRICT = LiveSettings(disagreement=0.06, eased=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +37,9 @@ class AutoSettings:
         unsure_every: Frames between the aligner's looks while the regressor leads and the match
             is in question.
         blend_s: Time in which the difference between both is let go.
+        covered: Mean cover of the landmarks from which on the training-free tracker leads, and
+            below which the regressor is tried again: it has seen no hands.
+        stranger_s: Time for which the profile's person is waited for while another is there.
     """
 
     match: MatchSettings = field(default_factory=MatchSettings)
@@ -43,14 +48,17 @@ class AutoSettings:
     try_every: int = 10
     unsure_every: int = 5
     blend_s: float = 0.2
+    covered: tuple[float, float] = (0.1, 0.03)
+    stranger_s: float = 2.5
 
 
 class AutoTracker:
     """Turns frames into face states, by whichever tracker does it better."""
 
     def __init__(
-        self, trained: LiveTracker, free: FreeTracker, settings: AutoSettings | None = None
-    ) -> None:
+        self, trained: LiveTracker, free: FreeTracker, settings: AutoSettings | None = None,
+        keeper: FaceKeeper | None = None,
+    ) -> None:  # fmt: skip
         """Join two trackers of one source.
 
         Args:
@@ -58,9 +66,11 @@ class AutoTracker:
             free: With the profile's camera, for both must mean the same by a millimetre. It is
                 told whether the face is the profile's.
             settings: When to change over.
+            keeper: Through which both see, if they do.
         """
         self._trained, self._free = trained, free
         self._settings = settings or AutoSettings()
+        self._keeper, self._ease = keeper, RegionEase()
         self._match = ProfileMatch(self._settings.match)
         self._blend = StateBlend(self._settings.blend_s)
         self._trained_leads = False
@@ -82,7 +92,7 @@ class AutoTracker:
     def step(self, frame: Frame) -> FaceState:
         """Return the face in a frame; `lost` and the last good state where there is none."""
         state = self._step_trained(frame) if self._trained_leads else self._step_free(frame)
-        return self._blend.step(state, self.camera)
+        return self._blend.step(self._ease.step(state), self.camera)
 
     def _step_trained(self, frame: Frame) -> FaceState:
         state = self._trained.step(frame)
@@ -95,7 +105,11 @@ class AutoTracker:
             self._weigh(look, state)
         if self._match.is_unsure:
             self._trained.look_within(self._settings.unsure_every)
-        if self._failed < self._settings.patience and not self._match.is_other:
+        if (
+            self._failed < self._settings.patience
+            and not self._match.is_other
+            and self._covered() < self._settings.covered[0]
+        ):
             return state
         self._trained_leads, self._seen = False, 0
         self._free.reset()
@@ -114,8 +128,13 @@ class AutoTracker:
             self._try(frame, landmarks, state)
         return state
 
+    def _covered(self) -> float:
+        return 0.0 if self._keeper is None else self._keeper.covered
+
     def _is_time_to_try(self) -> bool:
         settings = self._settings
+        if self._covered() > settings.covered[1]:
+            return False
         return self._seen in settings.first_tries or self._seen % settings.try_every == 0
 
     def _try(self, frame: Frame, landmarks: Landmarks2D, state: FaceState) -> None:

@@ -173,7 +173,7 @@ class CoverWatch:
             self._learn(self._waiting.popleft())
 
     def _deviations(self, causes: FloatArray, colors: FloatArray) -> FloatArray:
-        """Return how far each point (468,) is from what its causes foretell, in usual deviations."""
+        """Return how far each point (468,) is from what is foretold, in usual deviations."""
         unsure = 1.0 + causes @ self._doubt @ causes
         away = colors - self._foretold(causes)
         return np.asarray(np.sqrt(np.mean(away**2 / (self._spread * unsure), axis=1)))

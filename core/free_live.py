@@ -32,7 +32,8 @@ from core.records import (
     Landmarks2D,
     UserBlendshapes,
 )
-from core.region_check import region_means
+from core.region_check import region_confidence
+from core.region_ease import RegionEase
 from core.tracker import BLINKS
 from core.usual_rotation import UsualRotation
 
@@ -64,6 +65,8 @@ class FreeSettings:
         learn: Whether it is looked for at all.
         face_blend_s: Time in which a better face replaces the one in use.
         gaze: How gaze is measured and filtered.
+        gap_s: Time without frames after which all begins anew: a camera was gone.
+        eased: Whether what is covered is held and let go; else it is shown as it was solved.
     """
 
     energy: EnergySettings = field(default_factory=EnergySettings)
@@ -71,6 +74,8 @@ class FreeSettings:
     learn: bool = True
     face_blend_s: float = 0.5
     gaze: GazeSettings = field(default_factory=GazeSettings)
+    gap_s: float = 1.0
+    eased: bool = True
 
 
 class FreeTracker:
@@ -105,6 +110,7 @@ class FreeTracker:
         self._usual = UsualRotation()
         self._size_px = self._home.size_px
         self._followed: Followed | None = None
+        self._ease = RegionEase()
         self._last = resting_state("free")
 
     @property
@@ -152,14 +158,15 @@ class FreeTracker:
     def step(self, frame: Frame) -> FaceState:
         """Return the face in a frame; `lost` and the last good state where there is none."""
         size_px = (frame.gray.shape[1], frame.gray.shape[0])
-        if size_px != self._size_px or frame.time_s <= self._last.time_s:
+        gap_s = frame.time_s - self._last.time_s
+        if size_px != self._size_px or not 0 < gap_s <= self._settings.gap_s:
             self.reset()
         self._size_px = size_px
         self._followed = self._follower.step(frame)
         if self._followed is None:
             self._forget()
             self._last = replace(self._last, time_s=frame.time_s, confidence=0.0, lost=True)
-            return self._last
+            return self._shown()
         landmarks = self._at_home(self._followed.landmarks)
         solved = self._energy.step(landmarks.points_px, landmarks.confidence, frame.time_s)
         confidence = solved.confidence * self._followed.confidence
@@ -169,7 +176,11 @@ class FreeTracker:
         if not self._faces.arrived:
             head = self._faces.step(frame.time_s)
             self._energy.use(head.face, head.camera)
-        return self._last
+        return self._shown()
+
+    def _shown(self) -> FaceState:
+        """Return the last state, what is covered of it held or let go."""
+        return self._ease.step(self._last) if self._settings.eased else self._last
 
     def _forget(self) -> None:
         self._energy.reset()
@@ -202,7 +213,7 @@ class FreeTracker:
             confidence=confidence,
             mode="free",
             lost=False,
-            regions=region_means(landmarks.confidence),
+            regions=region_confidence(landmarks.confidence),
         )
 
     def _gaze_of(self, time_s: float, landmarks: Landmarks2D, solved: Solved) -> FloatArray:

@@ -20,7 +20,7 @@ _FACING = (-0.1, 0.3)
 #: eyes have 0.25 to 0.4, closed ones 0.02 to 0.1.
 _OPENING = (0.1, 0.2)
 #: The outline is no mark on the skin: where along it a landmark lies is a convention.
-_OUTLINE = 0.6
+OUTLINE = 0.6
 #: On a head turned by the sine s, what is left of that is 1 - 0.75 s on the near side, where the
 #: jaw line fades in the cheek, and falls to nothing between these sines on the far side.
 _NEAR_LOSS = 0.75
@@ -86,7 +86,7 @@ def confidences(
     seen = seen * (1 - smooth_step(ahead, *_NOSE_AHEAD))
     turned = known.outward @ rotation[2]
     far = 1 - smooth_step(turned, *_FAR_LOSS)
-    edge = _OUTLINE * np.where(turned > 0, far, 1 + _NEAR_LOSS * np.minimum(turned, 0))
+    edge = OUTLINE * np.where(turned > 0, far, 1 + _NEAR_LOSS * np.minimum(turned, 0))
     pupils = seen[N_INTERNAL:] * smooth_step(eye_openings(mesh_px, depth_px), *_OPENING)
     return np.concatenate([seen[:N_INTERNAL], edge, pupils])
 

@@ -5,22 +5,21 @@
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from core.agreement import Look, Misfits, disagreement
-from core.alignment import Alignment
 from core.animation_prior import AnimationPrior
 from core.arkit import EXPRESSION_NAMES
 from core.blendshapes import mean_user
 from core.camera import project, seen_by
 from core.eye_reader import EyeReader, EyeReading
+from core.face_keeper import Aligner, FaceKeeper, Seeing, Unwatched
 from core.face_model import FaceModel, eye_centers_mm, shape_vertices
 from core.landmarks import N_INTERNAL, N_LANDMARKS
 from core.model_fit import FewLandmarksError
 from core.records import (
-    U8,
     Camera,
     FaceState,
     FloatArray,
@@ -29,22 +28,17 @@ from core.records import (
     Shape3D,
     UserBlendshapes,
 )
-from core.region_check import region_means
+from core.region_check import region_confidence, region_means
+from core.region_ease import RegionEase
 from core.regressor import FernRegressor, Regression
 from core.shape_recovery import RecoverySettings, recover_one
 from core.tracker import Looks, TrackedFace, Tracker, TrackerModel
 
+if TYPE_CHECKING:
+    from core.alignment import Alignment
 
-class Aligner(Protocol):
-    """What is needed of the generic aligner."""
-
-    def follow(self, rgb: U8, previous: Alignment | None) -> Alignment | None:
-        """Return the face near the previous one, or after None the largest."""
-        ...
-
-    def check(self, rgb: U8, landmarks_px: FloatArray) -> Alignment | None:
-        """Return what the network sees where a tracker says the face is."""
-        ...
+#: Usual residual before it is known, the share of a frame in it, and what is never sudden.
+_USUAL, _LEARNING, _CALM = 0.4, 0.04, 0.65
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,20 +66,31 @@ class LiveSettings:
         check_every: Frames between two looks by the generic aligner.
         doubt: Residual of the regressor above which a frame is checked at once; 1 is what 99 %
             of good frames stay below.
+        sudden: Residual above which a frame is checked, too, in parts of what is usual here.
         doubt_spread_mm: The same for the disagreement of its runs.
+        doubt_way_mm: The same for the way from the last frame's shape (RMS).
         doubt_pause: Frames after a doubtful frame that passed its check in which doubt alone asks
             for no other one.
         disagreement: Distance of the regressed landmarks from the aligner's, in eye distances
-            (RMS), above which the regressor is wrong.
+            (RMS), above which the regressor is wrong. Own faces stay below 0.05, turned ones, too.
+        covered: Mean cover of the landmarks from which on the regressor, which has seen no hands,
+            gives way to what is recovered from the uncovered landmarks.
+        gap_s: Time without frames after which all begins anew: a camera was gone.
         recovery: How a shape is found from landmarks.
+        eased: Whether what is covered is held and let go; else it is shown as it was solved.
     """
 
     check_every: int = 30
     doubt: float = 1.3
+    sudden: float = 2.2
     doubt_spread_mm: float = 6.0
+    doubt_way_mm: float = 20.0
     doubt_pause: int = 5
-    disagreement: float = 0.13
+    disagreement: float = 0.07
+    covered: float = 0.1
+    gap_s: float = 1.0
     recovery: RecoverySettings = field(default_factory=RecoverySettings)
+    eased: bool = True
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,7 +110,7 @@ class LiveTracker:
     """
 
     def __init__(
-        self, model: FaceModel, user: User, aligner: Aligner, prior: AnimationPrior,
+        self, model: FaceModel, user: User, aligner: Aligner | FaceKeeper, prior: AnimationPrior,
         settings: LiveSettings | None = None,
     ) -> None:  # fmt: skip
         """Prepare to follow one user.
@@ -113,19 +118,22 @@ class LiveTracker:
         Args:
             model: The face model that the user's profile was made with.
             user: From the profile.
-            aligner: Finds the face first and after tracking was lost.
+            aligner: Finds the face first and after tracking was lost; a keeper also stays with
+                one face and sees what covers it.
             prior: Of the tracker.
             settings: When to check.
         """
-        self._model, self._user, self._aligner = model, user, aligner
+        self._model, self._user = model, user
+        self._seeing: Seeing = aligner if isinstance(aligner, FaceKeeper) else Unwatched(aligner)
         self._settings = settings or LiveSettings()
+        self._ease = RegionEase()
         self._face = tracker_model(model, user.blendshapes)
         self._tracker = Tracker(self._face, prior)
         self._use_size(user.camera.size_px)
         self._alignment: Alignment | None = None
         self._points_mm: FloatArray | None = None
         self._look: Look | None = None
-        self._since_check, self._pause = 0, 1
+        self._since_check, self._pause, self._usual = 0, 1, _USUAL
         self._last = resting_state("trained")
 
     @property
@@ -187,17 +195,23 @@ class LiveTracker:
         """Return the face in a frame; `lost` and the last good state where there is none."""
         self._fit_frame(frame)
         self._look = None
+        if frame.time_s - self._last.time_s > self._settings.gap_s:
+            self.reset()
         found = self._continue(frame) or self._start(frame)
         if found is None:
             self._last = replace(self._last, time_s=frame.time_s, confidence=0.0, lost=True)
-            return self._last
+            return self._shown()
         if self._last.lost:
             self._tracker.reset()
         face = self._tracker.step(
             found.points_mm, frame.time_s, found.confidence, self._looks(frame)
         )
         self._last = self._state(frame.time_s, found, face)
-        return self._last
+        return self._shown()
+
+    def _shown(self) -> FaceState:
+        """Return the last state, what is covered of it held or let go."""
+        return self._ease.step(self._last) if self._settings.eased else self._last
 
     def _fit_frame(self, frame: Frame) -> None:
         """Begin anew where the frames have another size."""
@@ -230,6 +244,7 @@ class LiveTracker:
             self._points_mm = None
             return None
         self._points_mm = shape.points_mm
+        self._usual += _LEARNING * (min(shape.residual, 2 * self._usual) - self._usual)
         return self._found(shape)
 
     def _is_sane(self, shape: Shape3D) -> bool:
@@ -242,20 +257,31 @@ class LiveTracker:
 
     def _is_doubtful(self, shape: Shape3D) -> bool:
         settings = self._settings
-        return shape.residual > settings.doubt or shape.spread_mm > settings.doubt_spread_mm
+        limit = min(settings.doubt, max(settings.sudden * self._usual, _CALM))
+        return shape.residual > limit or shape.spread_mm > settings.doubt_spread_mm
+
+    def _is_fast(self, shape: Shape3D) -> bool:
+        """Return whether the face moved so far since the last frame that it may be elsewhere."""
+        if self._points_mm is None:
+            return False
+        way = shape.points_mm - self._points_mm
+        return float(np.sqrt(np.mean(np.sum(way**2, axis=1)))) > self._settings.doubt_way_mm
 
     def _passes_check(self, frame: Frame, shape: Shape3D) -> bool:
         """Let the generic aligner look now and then, and at once where there is doubt."""
         self._since_check += 1
         doubtful = self._is_doubtful(shape)
-        if self._since_check < (self._pause if doubtful else self._settings.check_every):
+        due = self._pause if doubtful else self._settings.check_every
+        if self._seeing.cover.any() or not self._seeing.knows:
+            due = min(due, self._settings.doubt_pause)
+        if self._since_check < due and not self._is_fast(shape):
             self._pause = self._pause if doubtful else 1
             return True
         # Doubt that was unfounded once, under another lamp say, will be so in the next frames.
         self._pause = self._settings.doubt_pause if doubtful else 1
         self._since_check = 0
         landmarks_px = project(self._camera, shape.points_mm[:N_LANDMARKS])
-        alignment = self._aligner.check(frame.rgb, landmarks_px)
+        alignment = self._seeing.check(frame, landmarks_px)
         if alignment is None:
             return False
         self._alignment = alignment
@@ -267,7 +293,7 @@ class LiveTracker:
 
         The regressor goes on from there in the next frame if it agrees.
         """
-        self._alignment = self._aligner.follow(frame.rgb, self._alignment)
+        self._alignment = self._seeing.follow(frame, self._alignment)
         if self._alignment is None:
             return None
         landmarks = self._alignment.landmarks
@@ -277,7 +303,7 @@ class LiveTracker:
         self._look = self._begin(frame, landmarks, recovered)
         if self._look.agrees:
             return self._found(self._look.shape)
-        regions = region_means(landmarks.confidence)
+        regions = region_confidence(landmarks.confidence)
         return _Found(recovered, 0.5 * self._alignment.presence, regions)
 
     @cached_property
@@ -305,13 +331,22 @@ class LiveTracker:
     def _compared(self, landmarks: Landmarks2D, shape: Shape3D) -> Look:
         apart = disagreement(project(self._camera, shape.points_mm[:N_LANDMARKS]), landmarks)
         agrees = apart < self._settings.disagreement and self._is_sane(shape)
+        agrees = agrees and self._covered() < self._settings.covered
         return Look(landmarks, shape, apart, agrees)
+
+    def _covered(self) -> float:
+        """Return how far the face is covered, as far as the last look told."""
+        return float(self._seeing.cover[:N_INTERNAL].mean())
 
     def _found(self, shape: Shape3D) -> _Found:
         """Return a shape; confidence is 1 if it is like the training pictures, 0.5 at doubt."""
         unlike = np.array([shape.residual, *shape.unlike]) / self._settings.doubt
         confidence, *regions = 1 / (1 + unlike**4)
-        return _Found(shape.points_mm, float(confidence), np.array(regions))
+        return _Found(
+            shape.points_mm,
+            float(confidence),
+            np.minimum(regions, 1.0 - region_means(self._seeing.cover)),
+        )
 
     def _state(self, time_s: float, found: _Found, face: TrackedFace) -> FaceState:
         shape = found.points_mm[:N_LANDMARKS]

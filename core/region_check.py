@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from core.landmark_confidence import OUTLINE
 from core.landmarks import N_INTERNAL, N_LANDMARKS, REGION_LANDMARKS, REGION_NAMES
 from core.records import F32, I32, FloatArray
 
@@ -31,6 +32,16 @@ _AVERAGE = np.stack(
 def region_means(values: FloatArray) -> FloatArray:
     """Return the mean over each region (6,) of numbers that belong to the landmarks (75,)."""
     return np.asarray(_AVERAGE @ values)
+
+
+def region_confidence(confidence: FloatArray) -> FloatArray:
+    """Return the confidence in each region (6,) of an aligner's landmarks (75,).
+
+    The outline is never more sure than OUTLINE, which stands for 1.
+    """
+    regions = region_means(confidence)
+    regions[_OUTLINE] = min(regions[_OUTLINE] / OUTLINE, 1.0)
+    return regions
 
 
 def region_shares(corners: I32, weights: F32) -> F32:

@@ -20,7 +20,7 @@ def read_skin(
     """Write the mean colour about each point; points outside are read at the border."""
     height, width = rgb.shape[0], rgb.shape[1]
     for p in range(points.shape[0]):
-        x, y = int(round(points[p, 0])), int(round(points[p, 1]))
+        x, y = int(np.floor(points[p, 0] + 0.5)), int(np.floor(points[p, 1] + 0.5))
         inside[p] = 1.0 if 0 <= x < width and 0 <= y < height else 0.0
         x, y = min(max(x, 0), width - 1), min(max(y, 0), height - 1)
         red, green, blue, count = 0, 0, 0, 0
