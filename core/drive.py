@@ -72,6 +72,7 @@ class Drive:
         self._presence, self._breathing, self._blink = Presence(), Breathing(), SelfBlink()
         self._requests: deque[Callable[[], None]] = deque()
         self._recentre = False
+        self._wanted_centre: tuple[Centre | None, ...] = ()
         self._now = np.zeros(len(EXPRESSION_NAMES))
         self._time_s, self._shown = -np.inf, resting_face()
         self.use(settings or DriveSettings())
@@ -97,6 +98,9 @@ class Drive:
     @property
     def centre(self) -> Centre | None:
         """The centre as it was set or learned, None as long as it was not."""
+        wanted = self._wanted_centre
+        if wanted:
+            return wanted[0]
         if not self._head.is_set:
             return None
         rotation, place = self._head.centre
@@ -104,11 +108,21 @@ class Drive:
 
     def put_centre(self, centre: Centre | None) -> None:
         """Use a centre from an earlier time, None: as tracked."""
-        self._requests.append(lambda: self._put_centre(centre))
+        self._wanted_centre = (centre,)
 
     def recentre(self) -> None:
         """Take the next face that is seen for a head at its centre and a face at rest."""
         self._recentre = True
+
+    @property
+    def recentring(self) -> bool:
+        """Whether `recentre` still waits for a face."""
+        return self._recentre
+
+    @property
+    def sees_face(self) -> bool:
+        """Whether the last state was of a face."""
+        return not self._presence.was_lost
 
     def know_levels(self, levels: BlinkLevels | None) -> None:
         """Use the blink levels of a profile; None: learn them."""
@@ -177,6 +191,9 @@ class Drive:
         """
         while self._requests:
             self._requests.popleft()()
+        if self._wanted_centre:
+            self._put_centre(self._wanted_centre[0])
+            self._wanted_centre = ()
         tables = self._tables
         step_s = state.time_s - self._time_s
         self._time_s = state.time_s

@@ -1,40 +1,27 @@
 """The control panel at work: settings changed, kept, taken back; keys heard, live values shown."""
 
 import time
-from collections import deque
-from dataclasses import replace
 
 from PySide6.QtCore import QObject, QTimer
 
+from app.controllers.drive_history import DriveHistory
 from app.controllers.expression_hotkeys import ExpressionHotkeys
 from app.controllers.live import LiveController
-from app.drive_files import (
-    Kept,
-    SettingsUnwritableError,
-    delete_preset,
-    load_kept,
-    load_preset,
-    preset_names,
-    save_kept,
-    save_preset,
-)
-from app.errors import AppError
-from app.views.choice import Choice
+from app.controllers.preset_desk import PresetDesk
+from app.drive_files import Kept, SettingsUnwritableError, load_kept, save_kept
 from app.views.control.control_panel import ControlPanel
 from app.views.control.response_model import Live
 from app.views.live_window import LiveWindow
-from core.drive_presets import FACES, KEYS, PRESETS
+from core.drive_presets import KEYS
 from core.drive_settings import DriveSettings
-from core.response import learn_full
+from core.response import SHOWN, learn_full
 
 #: Ten pictures of the live values per second.
 LIVE_EVERY_MS = 100
 #: Settings are kept when nothing was changed for so long.
 KEEP_AFTER_MS = 1000
-#: Changes of one setting within this time are taken back together.
-ONE_CHANGE_S = 2.0
-MOST_UNDONE = 100
 NO_FACE = "No face is tracked: look into the camera, then press it again."
+NOT_SHOWN = "Nothing was changed: make the face, hold it, and press it again."
 
 
 class Controlling(QObject):
@@ -44,19 +31,16 @@ class Controlling(QObject):
         """Add the panel and the keys to the live window, and use the settings that are kept."""
         super().__init__(controller)
         self._controller, self._window, self._drive = controller, window, controller.drive
-        faces = {key.name: key.weights for key in KEYS}
-        self.panel = ControlPanel({name: faces[name] for name in FACES})
+        self.panel = ControlPanel({key.name: key.weights for key in KEYS})
         window.add_panel("control", "&Control", self.panel, "Ctrl+K")
         self._role = (controller.wanted.profile, controller.scene.avatar)
-        self._preset = ""
-        self._undo: deque[tuple[str, Kept]] = deque(maxlen=MOST_UNDONE)
-        self._last_change = ("", -ONE_CHANGE_S)
-        self._dirty = False
+        self._history, self._dirty = DriveHistory(), False
         self._timer, self._keep_timer = QTimer(self), QTimer(self)
         self._timer.setInterval(LIVE_EVERY_MS)
         self._keep_timer.setSingleShot(True)
         self._keep_timer.setInterval(KEEP_AFTER_MS)
         self.hotkeys = ExpressionHotkeys(window, self)
+        self._presets = PresetDesk(self.panel.presets, lambda: self._drive.settings, self)
         self._connect_panel()
         self._connect_live()
         self._take_over(load_kept(*self._role))
@@ -71,7 +55,10 @@ class Controlling(QObject):
         self._keep_timer.stop()
         if not self._dirty:
             return
-        self._dirty = False
+        self._dirty = self._drive.recentring
+        if self._dirty:
+            # What is to be kept comes with the next face.
+            self._keep_timer.start()
         try:
             save_kept(*self._role, self.kept)
         except SettingsUnwritableError as error:
@@ -81,7 +68,7 @@ class Controlling(QObject):
 
     def _connect_panel(self) -> None:
         panel = self.panel
-        panel.changed.connect(self._on_changed)
+        panel.changed.connect(self.apply)
         panel.opened.connect(self._on_opened)
         panel.feel.recentre_wanted.connect(self.recentre)
         panel.feel.uncentre_wanted.connect(self._on_uncentre_wanted)
@@ -90,10 +77,9 @@ class Controlling(QObject):
         panel.keys.pressed.connect(self._drive.press)
         panel.keys.released.connect(self._drive.release)
         panel.keys.face_wanted.connect(self._on_face_wanted)
-        panel.presets.chosen.connect(self._on_preset_chosen)
-        panel.presets.save_wanted.connect(self._on_preset_named)
-        panel.presets.delete_wanted.connect(self._on_preset_deleted)
         panel.presets.undo_wanted.connect(self.undo)
+        self._presets.chosen.connect(self.apply)
+        self._presets.told.connect(self._window.message_bar.tell)
 
     def _connect_live(self) -> None:
         self.hotkeys.recentre_wanted.connect(self.recentre)
@@ -108,8 +94,10 @@ class Controlling(QObject):
     def stop(self) -> None:
         """Keep what has changed; a centre that was learned by itself, too."""
         self._timer.stop()
-        self._dirty |= self._drive.settings.centring.head or self._drive.settings.centring.face
+        centring = self._drive.settings.centring
+        self._dirty |= centring.head or centring.face
         self.keep()
+        self._keep_timer.stop()
 
     # -- settings -------------------------------------------------------------------------
 
@@ -124,9 +112,8 @@ class Controlling(QObject):
 
     def undo(self) -> None:
         """Take the last change back."""
-        if self._undo:
-            _, kept = self._undo.pop()
-            self._last_change = ("", -ONE_CHANGE_S)
+        kept = self._history.back()
+        if kept is not None:
             self._drive.use(kept.settings)
             self._drive.put_centre(kept.centre)
             self._show_settings()
@@ -143,39 +130,33 @@ class Controlling(QObject):
         self._drive.put_centre(None)
         self._keep_soon()
 
-    def _on_changed(self, settings: DriveSettings, what: str) -> None:
-        self.apply(settings, what)
-
     def _on_full_wanted(self, rows: list[int] | None) -> None:
-        settings, now = self._drive.settings, self._drive.now
-        before = settings
+        settings = before = self._drive.settings
         for row in [None] if rows is None else rows:
-            settings = learn_full(settings, now, row)
-        if settings == before:
-            self._window.message_bar.tell(
-                "nothing was changed: make the face, hold it, and press the button again"
-            )
-        self.apply(settings, "100 %")
+            settings = learn_full(settings, self._drive.now, row)
+        if not self._drive.sees_face:
+            self._window.message_bar.tell(NO_FACE)
+        elif settings == before:
+            self._window.message_bar.tell(NOT_SHOWN)
+        else:
+            self.apply(settings, "100 %")
 
     def _on_face_wanted(self, key: int) -> None:
-        face = self._drive.now
-        if not face.any():
+        if not self._drive.sees_face:
             self._window.message_bar.tell(NO_FACE)
-            return
-        self.panel.keys.take_face(key, face)
+        elif float(self._drive.now.max()) < SHOWN:
+            self._window.message_bar.tell(NOT_SHOWN)
+        else:
+            self.panel.keys.take_face(key, self._drive.now)
 
     def _remember(self, what: str) -> None:
-        """Keep the present state for undo, unless the same setting is still on the move."""
-        now_s = time.monotonic()
-        last, then_s = self._last_change
-        if what != last or now_s - then_s > ONE_CHANGE_S:
-            self._undo.append((what, self.kept))
-        self._last_change = (what, now_s)
+        """Keep the present state for undo."""
+        self._history.remember(what, self.kept, time.monotonic())
 
     def _keep_soon(self) -> None:
         self._dirty = True
         self._keep_timer.start()
-        self.panel.presets.show_undo(self._undo[-1][0] if self._undo else "")
+        self.panel.presets.show_undo(self._history.next)
 
     def _on_role_changed(self) -> None:
         """Use what is kept for the profile and avatar that are chosen now."""
@@ -187,7 +168,7 @@ class Controlling(QObject):
         self._take_over(load_kept(*role))
 
     def _take_over(self, kept: Kept) -> None:
-        self._undo.clear()
+        self._history.clear()
         self._drive.use(kept.settings)
         self._drive.put_centre(kept.centre)
         self._show_settings()
@@ -195,49 +176,11 @@ class Controlling(QObject):
         if kept.notes:
             self._window.message_bar.tell("; ".join(kept.notes))
 
-    # -- presets --------------------------------------------------------------------------
-
-    def _on_preset_chosen(self, name: str) -> None:
-        kept = load_preset(name)
-        if kept.notes:
-            self._window.message_bar.tell("; ".join(kept.notes))
-        # Keys are one's own: another feeling shall not cost them.
-        settings = replace(kept.settings, keys=self._drive.settings.keys)
-        self._preset = name
-        self.apply(settings, f"preset {name}")
-        self._show_settings()
-
-    def _on_preset_named(self, name: str) -> None:
-        try:
-            save_preset(name, self._drive.settings)
-        except AppError as error:
-            self._window.message_bar.tell(str(error))
-            return
-        self._preset = name.strip()
-        self._show_settings()
-
-    def _on_preset_deleted(self, name: str) -> None:
-        delete_preset(name)
-        self._show_settings()
-
-    def _preset_in_use(self, names: list[str]) -> str:
-        """Return the preset whose settings, keys apart, are in use, or an empty text."""
-        now = self._drive.settings
-        for name in [self._preset, *PRESETS]:
-            if name in names and replace(load_preset(name).settings, keys=now.keys) == now:
-                return name
-        return ""
-
     # -- showing --------------------------------------------------------------------------
 
     def _show_settings(self) -> None:
         self.panel.show_settings(self._drive.settings)
-        names = preset_names()
-        choices = [
-            Choice(name, name, PRESETS[name][0] if name in PRESETS else "") for name in names
-        ]
-        own = [name for name in names if name not in PRESETS]
-        self.panel.presets.show_presets(choices, own, self._preset_in_use(names))
+        self._presets.show()
 
     def _on_opened(self, seen: bool) -> None:
         """Show live values only to somebody who sees them."""

@@ -289,6 +289,9 @@ def test_a_resting_face_as_full_is_refused_in_words(desk):
     desk.solve()
     desk.panel.responses.face_button.click()
     assert "make the face, hold it" in desk.window.message_bar.text
+    desk.solve(lost=True)
+    desk.panel.responses.face_button.click()
+    assert "No face is tracked" in desk.window.message_bar.text
     assert desk.drive.settings.responses == FIRST.responses
 
 
@@ -350,6 +353,9 @@ def test_a_key_takes_the_face_of_this_moment_and_is_kept(desk):
 def test_a_key_is_not_made_of_no_face(desk):
     desk.panel.keys.mine_button.click()
     assert "No face is tracked" in desk.window.message_bar.text
+    desk.solve()
+    desk.panel.keys.mine_button.click()
+    assert "make the face, hold it" in desk.window.message_bar.text
     assert desk.drive.settings.keys == KEYS
 
 
@@ -444,6 +450,19 @@ def test_settings_are_kept_for_the_profile_and_the_avatar(desk, qtbot):
     desk.window.avatar_chosen.emit("own")
     assert desk.drive.settings.head.yaw == anna
     assert not desk.panel.presets.undo_button.isEnabled()
+
+
+def test_a_centre_that_waits_for_a_face_is_kept_when_it_has_come(desk, qtbot):
+    desk.control.recentre()
+    qtbot.wait(1200)
+    assert load_kept("anna", "own").centre is None
+    desk.solve(place_mm=(50, 0, 700))
+    desk.window.profile_chosen.emit("bert")
+    desk.window.profile_chosen.emit("")
+    np.testing.assert_allclose(load_kept("anna", "own").centre.translation_mm, [50, 0, 700])
+    assert load_kept("bert", "own").centre is None
+    desk.window.profile_chosen.emit("anna")
+    assert desk.drive.centre is not None
 
 
 def test_the_lids_of_a_profile_are_known_and_those_of_a_stranger_learned(qtbot):
