@@ -7,7 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from app.controllers.editing import is_placed
-from app.controllers.frame_book import FrameBook
+from app.controllers.frame_book import FRAME, FrameBook
 from app.controllers.player import Performer
 from app.errors import AppError
 from app.models import live_tracker, load_aligner, load_models
@@ -25,6 +25,7 @@ from core.landmark_refit import Refitter
 from core.landmarks import N_INTERNAL
 from core.pipeline import gray_from_rgb
 from core.records import U8, FaceState, Frame, Landmarks2D, Progress
+from core.setup_plan import standard_for
 from core.state_landmarks import landmarks_of_state
 from core.store import Profile, load
 
@@ -137,7 +138,10 @@ class CorrectionWorkshop:
         if not is_placed(found):
             raise NoFaceError("this frame")
         rgb, found = at_size(frame.rgb, found, whole.camera.size_px)
-        return Prepared(profile, FrameBook(rgb, found), Refitter(model, whole.user, whole.camera))
+        refitter = Refitter(model, whole.user, whole.camera)
+        if not state.lost:
+            found = with_outline(found, refitter)
+        return Prepared(profile, FrameBook(rgb, found), refitter)
 
     def keep(self, correction: Correction) -> Generator[Progress, None, str]:
         """Put a correction into the profile's draft.
@@ -208,6 +212,19 @@ def errors_px(profile: Profile, book: Workbook, names: list[str]) -> dict[str, f
     return errors
 
 
+def with_outline(landmarks: Landmarks2D, refitter: Refitter) -> Landmarks2D:
+    """Return a tracker's landmarks with those of the outline on the outline.
+
+    What trackers have in their place are points that stay on the skin of the cheeks.
+    """
+    edited, confidence = landmarks.edited.copy(), landmarks.confidence.copy()
+    edited[N_INTERNAL:], confidence[N_INTERNAL:] = True, 0.0
+    unseen = replace(landmarks, edited=edited, confidence=confidence)
+    points = landmarks.points_px.copy()
+    points[N_INTERNAL:] = refitter.model_points(unseen, standard_for(FRAME))[N_INTERNAL:]
+    return replace(landmarks, points_px=points)
+
+
 def confirmed(landmarks: Landmarks2D) -> Landmarks2D:
     """Return the landmarks with trust in all that the user has seen and not called hidden."""
     seen = np.maximum(landmarks.confidence, SEEN)
@@ -234,7 +251,9 @@ def picture_text(name: str, before_px: float, after_px: float | None) -> str:
     """Return what has become of a corrected picture, for people."""
     if after_px is None:
         return f"In {name} the face is not found yet."
-    return f"In {name} the landmarks are {after_px:.1f} px off now, {before_px:.1f} px before."
+    text = f"In {name} the landmarks are {after_px:.1f} px off now"
+    # A frame that was used as it is tells nothing of before.
+    return f"{text}, {before_px:.1f} px before." if before_px > after_px else f"{text}."
 
 
 def held_out_text(before: Any, after: Any) -> str:
