@@ -1,8 +1,10 @@
 """How the avatar is seen: what panel, mouse and keys wish, and what was kept for each avatar."""
 
 from collections.abc import Generator
+from functools import partial
 
 from PySide6.QtCore import QObject, QTimer
+from PySide6.QtWidgets import QMenu
 
 from app.controllers.live import LiveController
 from app.errors import AppError
@@ -12,7 +14,7 @@ from app.render.lights import LIGHTS
 from app.render.look import AvatarLook
 from app.render.quality import Drawn
 from app.views.avatar_mouse import AvatarMouse
-from app.views.avatar_panel import AvatarPanel
+from app.views.avatar_panel import FRAMING_CHOICES, AvatarPanel
 from app.views.live_window import LiveWindow
 from app.workers.avatar_loop import Painted
 from app.workers.job import Job
@@ -42,6 +44,7 @@ class Looking(QObject):
         self._show_soon, self._keep_soon = QTimer(self), QTimer(self)
         self._connect()
         window.add_panel("avatar_look", "Avatar &view", self.panel, "Ctrl+Shift+V")
+        self._fill_menu(window.menu("Avatar"))
         self._enter_avatar()
 
     @property
@@ -101,6 +104,18 @@ class Looking(QObject):
         controller.source_changed.connect(lambda _: self._enter_avatar())
         controller.scene.painted.connect(self._on_painted)
         controller.ending.connect(self._on_ending)
+
+    def _fill_menu(self, menu: QMenu) -> None:
+        """Offer the framings and the way back, for hands that stay on the keyboard."""
+        reset = menu.addAction("&Reset view")
+        reset.setShortcut("Ctrl+0")
+        reset.triggered.connect(lambda: self.reset_view())
+        for choice in FRAMING_CHOICES:
+            framing = menu.addAction(choice.text)
+            framing.triggered.connect(partial(self._frame, choice.key))
+
+    def _frame(self, framing: str) -> None:
+        self.see(self.look.seen_as_at_first().changed(framing=framing))
 
     def _current(self) -> KeptLook:
         return self._kept.get(self._avatar, KeptLook())

@@ -8,7 +8,11 @@
 | `avatar` | `Avatar`: shapes, parts and eyes of a head that can be posed |
 | `puppet` | `Puppet`: morphs an avatar, turns its eyes, bends its neck, gives the items to draw |
 | `eyeball` | the eyes' mesh and the rotation of a gaze |
+| `thinning` | leaves out triangles that nobody sees, where the processor draws |
 | `thread` | `RenderThread`: a renderer in a thread of its own, always the newest wish |
+| `look` | `AvatarLook`: what the user may choose: orbit, zoom, framing, background, lights |
+| `lights`, `backdrop` | the lights and backgrounds to choose from |
+| `quality` | `Ladder`: draws smaller where pictures take too long, and larger again later |
 
 To draw anything, in one thread from making to releasing:
 

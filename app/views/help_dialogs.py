@@ -19,6 +19,8 @@ from PySide6.QtWidgets import (
 OTHER_KEYS = (
     ("Esc", "Leave full screen, or close the avatar's own window"),
     ("+, -", "Make the avatar's own window larger or smaller"),
+    ("Arrows, +, -", "Over the avatar: turn it, zoom; with Shift the arrows move it"),
+    ("Home", "Over the avatar: see it from the front again"),
     ("Ctrl+1 … Ctrl+9", "Expression keys (see Control)"),
 )
 LICENCES = """

@@ -253,6 +253,17 @@ def test_a_transparent_picture_lies_on_a_chequered_ground(desk, qtbot):
     qtbot.waitUntil(lambda: not picture._checkered)
 
 
+def test_the_menu_frames_the_avatar_and_takes_the_view_back(desk):
+    window, _, looking = desk
+    actions = {action.text(): action for action in window.menu("Avatar").actions()}
+    looking.see(looking.look.turned(1.0, 0.2))
+    actions["Close-up of the face"].trigger()
+    assert looking.look.framing == "close" and looking.look.yaw_rad == 0
+    looking.see(looking.look.zoomed(2.0))
+    actions["&Reset view"].trigger()
+    assert looking.look.zoom == 1.0 and looking.look.framing == "close"
+
+
 def test_the_panel_is_in_the_menu_and_every_control_has_a_name(desk):
     window, _, looking = desk
     assert any("Avatar" in action.text() for action in window.menu("View").actions())
