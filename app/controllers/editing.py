@@ -24,6 +24,7 @@ from core.suspicion import Suspicion, suspicion
 
 __all__ = ["EditorController", "is_placed", "opposite", "title_of"]
 
+OUT_NOTE = "left out: the next training drops it"
 POINT_NAMES = (*(name.replace("_", " ") for name in (*NAMES, *PUPIL_NAMES)),)
 
 
@@ -101,7 +102,10 @@ class EditorController(QObject):
 
     def _cell(self, name: str) -> Cell:
         doubt, marks = self._suspicions[name], self._book.landmarks(name)
-        return Cell(name, title_of(name), doubt.level, doubt.note, bool(marks.edited.any()))
+        edited = bool(marks.edited.any())
+        if name in self._book.taken_out:
+            return Cell(name, title_of(name), "out", OUT_NOTE, edited)
+        return Cell(name, title_of(name), doubt.level, doubt.note, edited)
 
     def _show_thumb(self) -> None:
         """Make the thumbnails one by one, between two events."""
@@ -115,10 +119,10 @@ class EditorController(QObject):
 
     def _show_picture(self) -> None:
         self._show_scene()
-        doubt = self._suspicions[self._name]
+        doubt, out = self._suspicions[self._name], self._name in self._book.taken_out
         place = f"{self._order.index(self._name) + 1} of {len(self._order)}"
         self._window.panel.picture_label.setText(
-            f"<b>{title_of(self._name)}</b> ({place})<br>{doubt.note}"
+            f"<b>{title_of(self._name)}</b> ({place})<br>{OUT_NOTE if out else doubt.note}"
         )
         self._window.strip.show_current(self._name)
         self._show_possible()
@@ -152,6 +156,9 @@ class EditorController(QObject):
         window.show_deed("undo", bool(history.next_undo), f"Undo {history.next_undo}".strip())
         window.show_deed("redo", bool(history.next_redo), f"Redo {history.next_redo}".strip())
         window.show_deed("previous", self._book.names.index(self._name) > 0)
+        out = self._name in self._book.taken_out
+        can_go = out or (len(self._book.used_names) > 1 and not self._maker.busy)
+        window.show_deed("out", can_go, "Use it after all" if out else "Leave this picture out")
         window.show_deed("mirror", opposite(self._name) in self._book.names)
         window.show_outdated(self._book.outdated and not self._maker.busy)
 
@@ -195,6 +202,7 @@ class EditorController(QObject):
             "previous": self._copy_previous,
             "similar": self._copy_similar,
             "mirror": self._mirror,
+            "out": self._take_out,
         }
         deeds[key]()
 
@@ -268,6 +276,16 @@ class EditorController(QObject):
         here, there = (thumbnail(self._book.image(one), 40) for one in (self._name, name))
         return float(np.abs(here.astype(float) - there).mean())
 
+    def _take_out(self) -> None:
+        """Leave the picture out of the next training, or use it after all."""
+        book, name = self._book, self._name
+        try:
+            book.take_out(name, name not in book.taken_out)
+        except (CoreError, AppError) as error:
+            self._window.message_bar.tell(str(error))
+        self._window.strip.show_cell(self._cell(name))
+        self._show_picture()
+
     # -- changes -------------------------------------------------------------------------
 
     def _change(self, label: str, after: Landmarks2D) -> None:
@@ -300,6 +318,16 @@ class EditorController(QObject):
 
     def _on_trained(self, text: object) -> None:
         self._refitter = self._make_refitter()
+        # Pictures that were left out are gone.
+        self._order = [name for name in self._order if name in self._book.names]
+        if self._name not in self._order:
+            self._hand.let_go()
+            self._name = self._order[0]
+        if len(self._order) < self._window.strip.count():
+            self._history = EditHistory()
+            self._waiting = list(self._order)
+            self._window.strip.show_cells([self._cell(one) for one in self._order], self._name)
+            self._timer.start(0)
         for name in self._book.names:
             self._judge(name)
             self._window.strip.show_cell(self._cell(name))

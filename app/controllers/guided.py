@@ -29,6 +29,17 @@ class GuidedSetup(QObject):
             self._started = True
             self._controller.start()
 
+    def add_pictures(self, profile: str, key: str) -> None:
+        """Show the window and ask for more pictures for a profile.
+
+        Args:
+            profile: Its name.
+            key: A set of core.extra_shots: "light", "glasses" or "hand".
+        """
+        self.show()
+        self._controller.start(profile)
+        self._controller.add_pictures(key)
+
     def close(self) -> None:
         """Close it; everything taken is kept."""
         self.window.close()

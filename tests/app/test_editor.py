@@ -10,6 +10,7 @@ from PySide6.QtTest import QTest
 
 from app.controllers.editing import EditorController, opposite, title_of
 from app.profiles import encoded_pictures
+from app.views.cell_list import CELL_ROLE
 from app.views.editor.editor_window import EditorWindow
 from app.views.editor.painting import FOUND, HIDDEN, PLACED
 from app.workbook import Workbook
@@ -424,3 +425,46 @@ def test_names_are_told_as_people_read_them():
     assert title_of("squeeze_left_eye_yaw-30") == "squeeze left eye -30°"
     assert title_of("pose_pitch+15") == "pitch +15°"
     assert title_of("frame_00012") == "frame 00012"
+
+
+def test_a_picture_is_left_out_of_the_training_and_taken_back(desk, folder):
+    name, deed = desk.controller.name, desk.window.deeds["out"]
+    assert not desk.window.retrain_button.isEnabled()
+    QTest.keyClick(desk.window, Qt.Key.Key_O)
+    cell = desk.window.strip.item_of(name).data(CELL_ROLE)
+    assert cell.level == "out" and "left out" in desk.window.panel.picture_label.text()
+    assert deed.text() == "Use it after all" and desk.window.retrain_button.isEnabled()
+    assert Workbook(folder, lambda rgb: None).taken_out == {name}
+    deed.trigger()
+    assert deed.text() == "Leave this picture out" and not desk.window.retrain_button.isEnabled()
+    assert not Workbook(folder, lambda rgb: None).taken_out
+
+
+def test_a_picture_that_was_left_out_is_gone_from_the_strip_after_the_training(qtbot, folder):
+    def train(book):
+        yield Progress(1, 2, "Training")
+        for name in book.taken_out:
+            book._landmarks.pop(name)
+            book._images.pop(name)
+        book._out.clear()
+        return "Trained again."
+
+    desk = open_desk(qtbot, folder, train)
+    name, others = desk.controller.name, len(desk.book.names) - 1
+    desk.window.deeds["out"].trigger()
+    with qtbot.waitSignal(desk.controller.trained, timeout=5000):
+        desk.window.retrain_button.click()
+    qtbot.waitUntil(lambda: not desk.window.job_row.isVisible(), timeout=5000)
+    assert name not in desk.window.strip.names and len(desk.window.strip.names) == others
+    assert desk.controller.name != name and not desk.window.deeds["undo"].isEnabled()
+
+
+def test_the_last_picture_cannot_be_left_out(qtbot, folder):
+    desk = open_desk(qtbot, folder)
+    for name in desk.book.names[1:]:
+        desk.controller._go(name)
+        desk.window.deeds["out"].trigger()
+    assert len(desk.book.used_names) == 1
+    kept = desk.book.used_names[0]
+    desk.controller._go(kept)
+    assert not desk.window.deeds["out"].isEnabled()

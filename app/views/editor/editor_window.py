@@ -40,6 +40,9 @@ BUTTONS = (
     Deed(
         "reset", "As found", ("Backspace", "Del"), "Points as the program found them; all if none"
     ),
+    Deed(
+        "out", "Leave this picture out", ("O",), "Take the picture out of the training, or back in"
+    ),
 )
 KEYS_ONLY = (
     Deed("back", "Previous picture", ("A", "PgUp"), ""),

@@ -23,6 +23,7 @@ LEVELS = {
     "good": (QColor(0, 158, 115), "good"),
     "look": (QColor(230, 159, 0), "look"),
     "bad": (QColor(213, 94, 0), "check"),
+    "out": (QColor(120, 124, 130), "left out"),
 }
 
 
@@ -105,7 +106,9 @@ class _CellPainter(QStyledItemDelegate):
         painter.fillRect(box, QColor(32, 34, 37))
         if thumb is not None:
             painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+            painter.setOpacity(0.35 if cell.level == "out" else 1.0)
             painter.drawImage(box, thumb)
+            painter.setOpacity(1.0)
         color, word = LEVELS[cell.level]
         painter.fillRect(QRectF(box.left(), box.bottom() - 4, box.width(), 4), color)
         painter.setFont(small(option.font))

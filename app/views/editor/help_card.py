@@ -18,6 +18,7 @@ KEYS = (
     ("R", "the face model places all points that you did not place"),
     ("V", "compare with the fitted model"),
     ("X", "call points hidden, or seen again"),
+    ("O", "leave the picture out of the training, or use it after all"),
     ("Backspace", "points as they were found"),
     ("Ctrl+C", "copy from the previous picture"),
     ("Ctrl+Shift+C", "copy from the most similar picture"),
