@@ -16,8 +16,8 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 
 #: Tests of kernels that are quick enough to run again in plain Python, see `nojit`.
 PLAIN_PYTHON_MODULES = {
-    "test_animation_prior", "test_box_least_squares", "test_energy_kernels", "test_gaze",
-    "test_pose_filter", "test_tracker", "test_training_set",
+    "test_animation_prior", "test_box_least_squares", "test_drive_filter", "test_drive_parts",
+    "test_energy_kernels", "test_gaze", "test_pose_filter", "test_tracker", "test_training_set",
 }  # fmt: skip
 
 

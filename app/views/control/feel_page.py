@@ -45,34 +45,34 @@ class Row(NamedTuple):
 
 SECTIONS: dict[str, tuple[Row, ...]] = {
     "Steady (left) or quick (right)": (
-        Row("steadiness", "head", "&Head", "How calmly the head follows. Further right: it "
+        Row("steadiness", "head", "Head", "How calmly the head follows. Further right: it "
             "follows quicker, and shakes more when you sit still; all the way right: as tracked."),
-        Row("steadiness", "brows", "&Brows", "The same for the brows."),
-        Row("steadiness", "eyes", "&Eyes", "The same for lids and gaze. Blinks are never slowed."),
-        Row("steadiness", "mouth", "&Mouth", "The same for mouth, jaw, cheeks and nose."),
+        Row("steadiness", "brows", "Brows", "The same for the brows."),
+        Row("steadiness", "eyes", "Eyes", "The same for lids and gaze. Blinks are never slowed."),
+        Row("steadiness", "mouth", "Mouth", "The same for mouth, jaw, cheeks and nose."),
     ),
     "Head motion": (
-        Row("head", "yaw", "&Turn", "How far the avatar turns its head when you turn yours."),
-        Row("head", "pitch", "&Nod", "How far it looks up and down."),
-        Row("head", "roll", "&Lean", "How far it leans to a shoulder."),
+        Row("head", "yaw", "Turn", "How far the avatar turns its head when you turn yours."),
+        Row("head", "pitch", "Nod", "How far it looks up and down."),
+        Row("head", "roll", "Lean", "How far it leans to a shoulder."),
         Row("head", "x", "Sideways", "How far it moves to the side."),
         Row("head", "y", "Up and down", "How far it moves up and down."),
         Row("head", "z", "Near and far", "How far it moves to you and away."),
     ),
     "Eyes": (
-        Row("eyes", "link_lids", "L&ids", "Whether both lids move together.", words=LID_WORDS),
-        Row("eyes", "link_gaze", "Both eyes look in &one direction",
+        Row("eyes", "link_lids", "Lids", "Whether both lids move together.", words=LID_WORDS),
+        Row("eyes", "link_gaze", "Both eyes look in one direction",
             "Takes off what little each eye is turned in."),
-        Row("eyes", "own_levels", "Open and closed as in &your face",
+        Row("eyes", "own_levels", "Open and closed as in your face",
             "Your eyes wide enough open count as open and your closed ones as closed: by the "
             "pictures of your setup, or as they are seen in time."),
-        Row("eyes", "gaze_gain", "&Gaze", "How far the eyes turn."),
+        Row("eyes", "gaze_gain", "Gaze", "How far the eyes turn."),
         Row("eyes", "gaze_up_rad", "Gaze height", "Raises or lowers the gaze.", "{:+.2f} rad"),
     ),
     "By itself": (
-        Row("idle", "breathing", "Breat&hes", "A slow small movement of head and shoulders."),
+        Row("idle", "breathing", "Breathes", "A slow small movement of head and shoulders."),
         Row("idle", "breath", "Breath size", "How large that movement is."),
-        Row("idle", "blinking", "Blin&ks", "Blinks by itself, at uneven times."),
+        Row("idle", "blinking", "Blinks", "Blinks by itself, at uneven times."),
         Row("idle", "hold_s", "Waits", "When your face is lost it stays as it was for so long.",
             "{:.1f} s"),
         Row("idle", "ease_s", "Goes to rest in", "Then it goes to rest in this time.",
@@ -80,12 +80,12 @@ SECTIONS: dict[str, tuple[Row, ...]] = {
     ),
 }  # fmt: skip
 CENTRE_ROWS = (
-    Row("centring", "head", "&Auto-centre the head",
+    Row("centring", "head", "Auto-centre the head",
         "Slowly takes the way you sit for straight ahead. It learns only while you look at the "
         "screen and show nothing."),
-    Row("centring", "face", "Auto-centre the &face",
+    Row("centring", "face", "Auto-centre the face",
         "Slowly takes your resting face for neutral. It never learns from an expression."),
-    Row("centring", "time_s", "&Within", "How slowly.", "{:.0f} s"),
+    Row("centring", "time_s", "Within", "How slowly.", "{:.0f} s"),
 )  # fmt: skip
 
 

@@ -63,8 +63,8 @@ class KeysPage(QWidget):
         self._shown: tuple[bool, ...] = ()
         self.list, self.name, self.face = QListWidget(), QLineEdit(), QComboBox()
         self.hold, self.way = QComboBox(), QComboBox()
-        self.fade_in = SliderRow("Comes &in", 0.0, 2.0, 0.2, "{:.2f} s")
-        self.fade_out = SliderRow("&Goes in", 0.0, 2.0, 0.35, "{:.2f} s")
+        self.fade_in = SliderRow("Comes in", 0.0, 2.0, 0.2, "{:.2f} s")
+        self.fade_out = SliderRow("Goes in", 0.0, 2.0, 0.35, "{:.2f} s")
         self.content = QLabel()
         self.mine_button = QPushButton("Use my face no&w")
         self.try_button = QPushButton("&Try")
@@ -132,10 +132,10 @@ class KeysPage(QWidget):
 
     def _build(self) -> None:
         form = QFormLayout()
-        form.addRow("&Name", self.name)
-        form.addRow("&Face", self.face)
-        form.addRow("S&hown", self.hold)
-        form.addRow("Ho&w", self.way)
+        form.addRow("Name", self.name)
+        form.addRow("Face", self.face)
+        form.addRow("Shown", self.hold)
+        form.addRow("How", self.way)
         fades = QGridLayout()
         fades.setColumnStretch(1, 1)
         for line, row in enumerate((self.fade_in, self.fade_out)):

@@ -22,8 +22,8 @@ class PresetRow(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.presets = QComboBox()
-        self.save_button, self.delete_button = QPushButton("Sa&ve…"), QPushButton("&Delete")
-        self.undo_button = QPushButton("&Undo")
+        self.save_button, self.delete_button = QPushButton("Save…"), QPushButton("&Delete")
+        self.undo_button = QPushButton("Undo")
         self._own: frozenset[str] = frozenset()
         for widget, name, tip in (
             (self.presets, "Preset", "Settings to begin with; all of them are replaced (Undo "
@@ -39,7 +39,7 @@ class PresetRow(QWidget):
             QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
         )
         self.presets.setMinimumContentsLength(9)
-        label = QLabel("&Preset")
+        label = QLabel("Preset")
         label.setBuddy(self.presets)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)

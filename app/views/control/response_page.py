@@ -34,10 +34,10 @@ class ResponsePage(QWidget):
         self._settings = DriveSettings()
         self.model, self.table, self.part = ResponseModel(), QTableView(), QComboBox()
         self.face_button = QPushButton("&This face is 100 %")
-        self.full_button = QPushButton("&Selected as 100 %")
+        self.full_button = QPushButton("S&elected as 100 %")
         self.reset_button = QPushButton("&Reset selected")
-        self.reset_all_button = QPushButton("Reset &all")
-        self.forget_button = QPushButton("Forget &marks")
+        self.reset_all_button = QPushButton("Reset all")
+        self.forget_button = QPushButton("For&get marks")
         self._build_table()
         self._build()
         self._connect()
@@ -94,7 +94,7 @@ class ResponsePage(QWidget):
         for name in PARTS:
             self.part.addItem(name)
         self.part.setAccessibleName("Part of the face")
-        label = QLabel("S&how")
+        label = QLabel("Sh&ow")
         label.setBuddy(self.part)
         for button, tip in (
             (self.face_button, "Make the face you want as 100 % and press this: everything that it "
