@@ -63,5 +63,6 @@ JUNO = Character(
     eye=DrawnEye((74, 148, 84), iris_rad=0.52, pupil=0.5),
     oily=0.16,
     worn=_worn,
+    strengths={"browInnerUp": 1.4, "browOuterUp": 0.75},
     hair=_hair,
 )

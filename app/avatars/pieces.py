@@ -61,7 +61,7 @@ def on_head(places: FloatArray, skin_mm: FloatArray) -> tuple[FloatArray, FloatA
     return SKULL_MM + (radius + places[:, 2])[:, None] * out, out
 
 
-def clump(shape: Clump, skin_mm: FloatArray, rings: int = 9, sectors: int = 8) -> Piece:
+def clump(shape: Clump, skin_mm: FloatArray, rings: int = 8, sectors: int = 6) -> Piece:
     """Return a clump over the skin (V, 3) of a head."""
     t = np.linspace(0, 1, rings)
     root, middle, tip = np.array(shape.places, float)

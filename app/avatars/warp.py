@@ -153,10 +153,9 @@ class Warp:
             bent = step(bent)
         out = bent.copy()
         shares = [self._share(points_mm - center) for center in self.centers_mm]
-        total = np.maximum(np.sum(shares, axis=0), 1.0)
-        for center, share, side in zip(self.centers_mm, shares, (-1.0, 1.0), strict=True):
+        for eye, (center, side) in enumerate(zip(self.centers_mm, (-1.0, 1.0), strict=True)):
             moved = self._eye(points_mm - center, side) + center
-            out += (share / total)[:, None] * (moved - bent)
+            out += _won(shares[eye], shares[1 - eye])[:, None] * (moved - bent)
         return out
 
     def head(self, neutral_mm: FloatArray, deltas_mm: F32) -> tuple[FloatArray, F32]:
@@ -192,6 +191,12 @@ class Warp:
             (cosine * out[:, 1] - sine * out[:, 0]),
         )
         return self.eyes.size * out + np.array([side, 1.0, 1.0]) * self.eyes.shift
+
+
+def _won(share: FloatArray, other: FloatArray) -> FloatArray:
+    """Return what an eye gets of points (n,) that both claim: all where its own share is 1."""
+    left = np.maximum((1 - share) + (1 - other), 1e-9)
+    return np.asarray(share * (1 - other) + share * other * (1 - other) / left)
 
 
 def _near(points_mm: FloatArray, center: Triple, radii: Triple) -> FloatArray:

@@ -25,6 +25,7 @@ from app.priority import taking_turns
 from app.profiles import profile_folder, profile_names
 from app.render.renderer import Renderer
 from app.render.thread import RenderThread
+from app.resources import asset
 from app.sources import PERFORMER, open_source
 from app.views.choice import Choice
 from app.workers.avatar_loop import DrawingThread, Painted, painted
@@ -63,7 +64,12 @@ class Toolbox:
 
     def avatars(self) -> list[Choice]:
         """Return the avatars that can be chosen."""
-        names = [Choice(name, name.capitalize()) for name in AVATARS if name != OWN]
+        pictures = asset("avatars") / "thumbnails"
+        names = [
+            Choice(name, name.capitalize(), picture=str(pictures / f"{name}.jpg"))
+            for name in AVATARS
+            if name != OWN
+        ]
         return [Choice(OWN, "Your own head"), *names]
 
     def profiles(self) -> list[str]:

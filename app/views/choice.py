@@ -11,8 +11,10 @@ class Choice:
         key: For the program.
         text: For people, short.
         details: For people who point at it, or empty.
+        picture: Path of a small picture of it, or empty.
     """
 
     key: str
     text: str
     details: str = ""
+    picture: str = ""

@@ -2,10 +2,14 @@
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QComboBox, QWidget
 
 from app.views.choice import Choice
+
+#: Side of the small pictures in the list.
+_PICTURE_PX = 26
 
 
 class Chooser(QComboBox):
@@ -20,6 +24,7 @@ class Chooser(QComboBox):
         # Long names of files and cameras must not widen the window.
         self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
         self.setMinimumContentsLength(12)
+        self.setIconSize(QSize(_PICTURE_PX, _PICTURE_PX))
         self.setPlaceholderText(f"Choose: {name.lower()}")
         self._choices: tuple[Choice, ...] = ()
         self._current = ""
@@ -39,6 +44,8 @@ class Chooser(QComboBox):
             for row, choice in enumerate(choices):
                 self.addItem(choice.text, choice.key)
                 self.setItemData(row, choice.details or choice.text, Qt.ItemDataRole.ToolTipRole)
+                if choice.picture:
+                    self.setItemIcon(row, QIcon(choice.picture))
             self._fit_list()
         self.show_current()
 

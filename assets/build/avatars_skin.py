@@ -100,7 +100,7 @@ def fur(canvas: Canvas, nose_mm: np.ndarray) -> np.ndarray:
 
 def brow(canvas: Canvas, spots: dict[str, np.ndarray], side: str) -> np.ndarray:
     """Return (S, S) where one stroke lies along a brow, thin at its outer end."""
-    line = [spots[f"{side}_{name}"] + [0, 3.5, 0] for name in BROW]
+    line = [spots[f"{side}_{name}"] + [0, 0.5, 0] for name in BROW]
     widths = np.array([0.8, 2.2, 3.2, 3.6, 2.9])
     out = np.zeros(canvas.inside.shape, np.float32)
     for (a, b), (thin, thick) in zip(pairwise(line), pairwise(widths), strict=True):

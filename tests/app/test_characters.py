@@ -2,6 +2,7 @@
 
 from itertools import pairwise
 
+import cv2
 import numpy as np
 import pytest
 
@@ -14,6 +15,7 @@ from app.avatars.warp import EyeStyle, Lay, Push, Swell, Warp, evened
 from app.render.puppet import Puppet
 from app.render.renderer import Scene
 from app.render.scene import studio_lights
+from app.resources import asset
 from core.arkit import EXPRESSION_NAMES
 from core.landmarks import NAMES
 from tests.app.avatar_pictures import default_gallery, expression_of
@@ -261,3 +263,14 @@ def test_names_lose_their_side_only():
     assert sideless("eyeBlinkLeft") == "eyeBlink"
     assert sideless("jawLeft") == "jaw"
     assert sideless("mouthRollLower") == "mouthRollLower"
+
+
+def test_every_built_in_avatar_has_a_small_picture_and_they_differ(gallery):
+    folder = asset("avatars") / "thumbnails"
+    pictures = {name: cv2.imread(str(folder / f"{name}.jpg")) for name in gallery.names}
+    assert all(picture.shape == (96, 96, 3) for picture in pictures.values())
+    first = pictures["nora"].astype(int)
+    off = [np.abs(pictures[name] - first).mean() for name in gallery.names if name != "nora"]
+    assert min(off) > 4
+    assert sum(path.stat().st_size for path in folder.iterdir()) < 60_000
+    assert len(list(folder.iterdir())) == len(gallery.names)
