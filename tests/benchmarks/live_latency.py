@@ -29,6 +29,8 @@ import app  # noqa: F401  sets what numba and OpenBLAS read at their first impor
 from app.controllers.desk import open_desk
 from app.controllers.toolbox import Toolbox
 from app.performer.opening import Scenario, open_performer
+from app.views.live_actions import OVERLAYS
+from app.views.live_window import LiveWindow
 from app.workers.avatar_loop import Painted
 from app.workers.live_loop import LiveResult
 from app.workers.probe import GuiProbe
@@ -100,7 +102,7 @@ def measured(source: str, profile: str, avatar: str, seconds: float) -> dict[str
     controller.scene.painted.connect(samples.note_painted)
     controller.add_listener(samples.note_solved)
     controller.solved.connect(samples.note_result)
-    window.resize(1280, 720)
+    as_at_first(window)
     window.show()
     controller.start()
     window.avatar_chosen.emit(avatar)
@@ -121,6 +123,15 @@ def measured(source: str, profile: str, avatar: str, seconds: float) -> dict[str
         "samples": samples, "passed_s": passed_s, "used_s": used_s, "state": state,
         "quality": controller.scene.drawn, "turn_ms": probe.worst_cpu_ms(),
     }  # fmt: skip
+
+
+def as_at_first(window: LiveWindow) -> None:
+    """Lay the window out as for somebody who has changed nothing."""
+    window.resize(1280, 720)
+    for key in window.panels.keys:
+        window.panels.dock(key).hide()
+    for key in OVERLAYS:
+        window.deeds[key].setChecked(key == "landmarks")
 
 
 def wait(seconds: float, until: Callable[[], bool] = lambda: False) -> None:
