@@ -62,6 +62,10 @@ class Workbook:
         self._landmarks: dict[str, Landmarks2D] = {}
         if (folder / HEADER_NAME).exists():
             self._open(load(folder))
+        self._out: set[str] = set()
+        self._read_draft()
+
+    def _read_draft(self) -> None:
         for name in self._draft.names():
             self._add_draft(name)
         self._out = set(self._draft.taken_out()) & set(self._landmarks)
@@ -228,14 +232,14 @@ class Workbook:
         Raises:
             CoreError: The profile is as it was.
         """
-        drafted = set(self._draft.names())
+        before = self._draft.state()
         steps = make_profile(model, self._pictures(), self.given_focal_px, rng)
         profile, used = yield from steps
         kept = keep(self.folder, profile, used, **history(self.profile))
-        # Somebody else may have put a picture meanwhile.
-        self._draft.clear(kept=set(self._draft.names()) - drafted)
-        self._out.clear()
+        self._draft.clear(before)
         self._open(kept)
+        # What was taken or corrected, here or elsewhere, while the training was at work.
+        self._read_draft()
         return kept
 
     def _pictures(self) -> Pictures:

@@ -11,7 +11,7 @@ is lost when the program ends at any moment, and a damaged file costs one pictur
 import io
 import json
 import os
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -136,16 +136,27 @@ class Draft:
         if kept is not None and kept.picture_name:
             (self._folder / kept.picture_name).unlink(missing_ok=True)
 
-    def clear(self, kept: Collection[str] = ()) -> None:
+    def state(self) -> dict[str, tuple[int, int]]:
+        """Return what tells whether a file has changed: its name -> time and size."""
+        files = [path for end in (_ARRAYS, _OUT) for path in self._folder.glob(f"*{end}")]
+        return {path.name: (path.stat().st_mtime_ns, path.stat().st_size) for path in files}
+
+    def clear(self, before: Mapping[str, tuple[int, int]] | None = None) -> None:
         """Drop everything: a new generation holds it.
 
         Args:
-            kept: Names of pictures that came too late for that.
+            before: The draft's state when that generation was begun. What has come or changed
+                since then stays; None: nothing has.
         """
-        for name in set(self.names()) - set(kept):
-            self.remove(name)
-        for name in self.taken_out():
-            (self._folder / (name + _OUT)).unlink(missing_ok=True)
+        for file, stamp in self.state().items():
+            if before is None or before.get(file) == stamp:
+                self._drop(file)
+
+    def _drop(self, file: str) -> None:
+        if file.endswith(_OUT):
+            (self._folder / file).unlink(missing_ok=True)
+        else:
+            self.remove(file.removesuffix(_ARRAYS))
 
     def _replace(self, name: str, content: bytes) -> None:
         """Write a file of the draft in one step."""

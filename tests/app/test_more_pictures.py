@@ -229,3 +229,23 @@ def test_a_face_is_fitted_before_the_first_training_with_pictures_of_all_kinds(t
     assert camera.size_px == (640, 480)
     guess = book.landmarks("pose_yaw+90")
     assert np.ptp(guess.points_px[:60], axis=0).min() > 20
+
+
+def test_what_comes_while_a_training_is_at_work_is_not_lost(
+    folder, rgb, landmarks, trained_with  # noqa: F811
+):  # fmt: skip
+    book, other = Workbook(folder, nothing), Workbook(folder, nothing)
+    first, second, third = book.names[:3]
+    book.correct(first, book.landmarks(first).moved(3, 5.0, 6.0))
+    steps = book.train(None, np.random.default_rng(0))
+    next(steps)
+    other.put("live-0001", rgb, landmarks, {})
+    book.correct(second, book.landmarks(second).moved(4, 7.0, 8.0))
+    book.take_out(third)
+    result_of(steps)
+    for now in (book, Workbook(folder, nothing)):
+        assert now.profile.landmarks[now.profile.names.index(first)].edited[3]
+        assert "live-0001" in now.names and np.array_equal(now.image("live-0001"), rgb)
+        assert now.landmarks(second).edited[4] and now.taken_out == {third}
+        assert now.outdated
+    assert "live-0001" not in load(folder).names
