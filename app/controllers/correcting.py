@@ -11,7 +11,6 @@ from app.controllers.correction_tools import (
     CorrectionTools,
     Prepared,
     Retrained,
-    confirmed,
 )
 from app.controllers.editing import EditorController
 from app.controllers.frame_book import FRAME
@@ -26,6 +25,7 @@ from app.workbook import Workbook
 from app.workers.live_loop import LiveResult
 from core.errors import CoreError
 from core.records import Progress
+from core.state_landmarks import confirmed
 
 NO_FRAME = "There is no picture to correct: choose a source first."
 NO_PROFILE = (

@@ -1,13 +1,13 @@
 """What corrections need of the rest of the program: preparing, keeping, training."""
 
 from collections.abc import Generator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 
 from app.controllers.editing import is_placed
-from app.controllers.frame_book import FRAME, FrameBook
+from app.controllers.frame_book import FrameBook
 from app.controllers.player import Performer
 from app.errors import AppError
 from app.models import live_tracker, load_aligner, load_models
@@ -20,19 +20,15 @@ from core.draft import Draft, DraftPicture
 from core.errors import NoFaceError
 from core.face_model import load_face_model
 from core.generations import read_generation
-from core.landmark_edit import hidden
 from core.landmark_refit import Refitter
 from core.landmarks import N_INTERNAL
 from core.pipeline import gray_from_rgb
 from core.records import U8, FaceState, Frame, Landmarks2D, Progress
-from core.setup_plan import standard_for
-from core.state_landmarks import landmarks_of_state
+from core.state_landmarks import landmarks_of_state, with_outline, with_pupils
 from core.store import Profile, load
 
 #: Pictures from the live view are called so, with a number.
 KIND = "live"
-#: Trust in a point that the user saw and left where it was.
-SEEN = 0.8
 
 
 class NoPicturesError(AppError):
@@ -132,9 +128,10 @@ class CorrectionWorkshop:
             raise NoPicturesError(profile)
         size_px = (frame.rgb.shape[1], frame.rgb.shape[0])
         found = landmarks_of_state(model, whole.user, whole.camera, state, size_px)
-        if state.lost:
-            # The tracker repeats where the face was last; the aligner may see where it is.
-            found = _find(frame.rgb) or found
+        seen = _find(frame.rgb)
+        if seen is not None:
+            # A lost face is repeated where it was last; the irises are filtered by the tracker.
+            found = seen if state.lost else with_pupils(found, seen)
         if not is_placed(found):
             raise NoFaceError("this frame")
         rgb, found = at_size(frame.rgb, found, whole.camera.size_px)
@@ -210,25 +207,6 @@ def errors_px(profile: Profile, book: Workbook, names: list[str]) -> dict[str, f
             marks = book.landmarks(name)
             errors[name] = None if state.lost else rms_px(state.landmarks_px, marks)
     return errors
-
-
-def with_outline(landmarks: Landmarks2D, refitter: Refitter) -> Landmarks2D:
-    """Return a tracker's landmarks with those of the outline on the outline.
-
-    What trackers have in their place are points that stay on the skin of the cheeks.
-    """
-    edited, confidence = landmarks.edited.copy(), landmarks.confidence.copy()
-    edited[N_INTERNAL:], confidence[N_INTERNAL:] = True, 0.0
-    unseen = replace(landmarks, edited=edited, confidence=confidence)
-    points = landmarks.points_px.copy()
-    points[N_INTERNAL:] = refitter.model_points(unseen, standard_for(FRAME))[N_INTERNAL:]
-    return replace(landmarks, points_px=points)
-
-
-def confirmed(landmarks: Landmarks2D) -> Landmarks2D:
-    """Return the landmarks with trust in all that the user has seen and not called hidden."""
-    seen = np.maximum(landmarks.confidence, SEEN)
-    return replace(landmarks, confidence=np.where(hidden(landmarks), landmarks.confidence, seen))
 
 
 def next_name(known: set[str]) -> str:

@@ -23,7 +23,7 @@ from PySide6.QtCore import QCoreApplication
 
 from app.capture.source import ClosedOnExit
 from app.controllers import correction_tools
-from app.controllers.correction_tools import Correction, CorrectionWorkshop, confirmed
+from app.controllers.correction_tools import Correction, CorrectionWorkshop
 from app.controllers.toolbox import Toolbox
 from app.performer.opening import Scenario, open_performer, setup_pictures
 from app.profiles import encoded_pictures, profile_folder
@@ -33,6 +33,7 @@ from app.workers.live_loop import LiveLoop
 from core.generations import HEADER_NAME
 from core.records import Frame, SetupImages
 from core.setup_plan import standard_for
+from core.state_landmarks import confirmed
 from core.store import save
 
 NAME, PERSON, FPS = "bench", "mara", 30.0

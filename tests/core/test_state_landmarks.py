@@ -8,8 +8,9 @@ from core.camera import camera_for, project, seen_by
 from core.face_model import eye_centers_mm
 from core.gaze import pupil_directions
 from core.geometry import matrix_from_head_angles, quaternion_from_matrix
+from core.landmark_edit import as_hidden
 from core.live import resting_state
-from core.state_landmarks import landmarks_of_state, pupils_of_state
+from core.state_landmarks import confirmed, landmarks_of_state, pupils_of_state, with_pupils
 from tests.core.held_out_person import face_model, person
 
 CAMERA = camera_for((640, 480), 600.0)
@@ -41,3 +42,26 @@ def test_landmarks_are_those_of_the_state_with_its_confidence_and_none_is_placed
     assert np.all(marks.confidence == 0.4) and np.all(marks.pupil_confidence == 0.4)
     pupils = project(seen_by(CAMERA, size_px), pupils_of_state(face_model(), person(0), solved))
     assert np.allclose(marks.pupils_px, pupils)
+
+
+def marks_of(rng):
+    return landmarks_of_state(face_model(), person(0), CAMERA, state(rng), (640, 480))
+
+
+def test_pupils_are_where_the_aligner_sees_them_unless_it_looks_elsewhere(rng):
+    found = marks_of(rng)
+    near, far = (
+        replace(found, pupils_px=found.pupils_px + [by, 0], pupil_confidence=np.ones(2))
+        for by in (3, 60)
+    )
+    closed = replace(near, pupil_confidence=[1.0, 0.0])
+    assert np.array_equal(with_pupils(found, near).pupils_px, near.pupils_px)
+    assert np.array_equal(with_pupils(found, far).pupils_px, found.pupils_px)
+    one = with_pupils(found, closed).pupils_px - found.pupils_px
+    assert np.allclose(one, [[3, 0], [0, 0]])
+
+
+def test_what_the_user_saw_is_trusted_and_what_is_hidden_is_not(rng):
+    marks = replace(marks_of(rng), confidence=np.full(75, 0.1))
+    seen = confirmed(as_hidden(marks, [3, 4]))
+    assert set(np.flatnonzero(seen.confidence < 0.5)) == {3, 4}
