@@ -125,6 +125,7 @@ def told(held: Sequence[Held]) -> str:
 def _switched_off(device: Any, knob: Knob) -> Held:
     """Turn a knob's switch off; the setting stays where it is, as far as the driver is sane."""
     before = float(device.get(knob.switch))
+    # By hand already: most likely left so by a program that was killed, perhaps this one.
     was = before if before not in (knob.by_hand, UNKNOWN, 0.0) else knob.automatic
     value = float(device.get(knob.value))
     accepted = bool(device.set(knob.switch, knob.by_hand))

@@ -1,5 +1,6 @@
 """The guided setup on real widgets, with a camera and a face of our own."""
 
+import time
 from queue import SimpleQueue
 from types import SimpleNamespace
 
@@ -20,7 +21,7 @@ from core.records import Frame, Progress
 from core.setup_plan import SHOTS
 from core.shot_match import Match
 from core.shutter import ShutterState
-from tests.app.live_fakes import CAMERA, FakeToolbox, make_state
+from tests.app.live_fakes import CAMERA, FRAME_S, FakeToolbox, make_state
 from tests.core.held_out_person import face_model, filmed, person
 
 
@@ -64,11 +65,15 @@ class FakeCamera:
 
     def __init__(self, source):
         self.source, self.unplugged = source, False
+        self.trouble = ""
         self.name, self.size_px, self.fps, self.live = "fake", (64, 48), 250.0, True
         self.holds = []
         source.toolbox.cameras_open[source.key] = self
 
     def read(self):
+        # One that waits for its device gives nothing and says why.
+        while self.trouble:
+            time.sleep(FRAME_S)
         frame = self.source.read()
         if self.unplugged:
             raise CameraLostError(self.name, frame.index)
@@ -83,6 +88,9 @@ class FakeCamera:
 
     def let_go(self):
         self.holds.append("let go")
+
+    def interrupt(self):
+        self.trouble = ""
 
     def close(self):
         self.source.close()

@@ -6,6 +6,7 @@ import pytest
 
 from app.capture.holding import hold, hold_again, release, told
 from app.capture.webcam import CameraEntry, WebcamSource
+from app.controllers import setup_tools
 
 AUTO, EXPOSURE = cv2.CAP_PROP_AUTO_EXPOSURE, cv2.CAP_PROP_EXPOSURE
 FOCUS_AUTO, WB_AUTO, WB = cv2.CAP_PROP_AUTOFOCUS, cv2.CAP_PROP_AUTO_WB, cv2.CAP_PROP_WB_TEMPERATURE
@@ -140,3 +141,26 @@ def test_a_webcam_lets_go_at_once_when_asked(monkeypatch):
         hold_again(driver, held)
         assert driver.values[AUTO] == 1.0
     assert driver.values[AUTO] == 1.0
+
+
+def test_the_setup_holds_a_camera_wherever_it_opens_it_again(monkeypatch):
+    monkeypatch.setattr("sys.platform", "linux")
+    drivers = []
+
+    def open_device(*_):
+        drivers.append(Driver(stale=20))
+        return drivers[-1]
+
+    def webcam(index, cameras, held):
+        return WebcamSource(index, cameras=cameras, open_device=open_device, held=held)
+
+    monkeypatch.setattr(setup_tools, "WebcamSource", webcam)
+    entry, tools = CameraEntry(0, "Laptop camera", ""), setup_tools.SetupTools()
+    held = hold(Driver(), Driver().level, "linux")
+    tools.keep_held("camera:0", held)
+    with tools._open_held("camera:0", entry):
+        assert drivers[-1].values[AUTO] == 1.0
+    assert drivers[-1].values[AUTO] == 3.0
+    tools.keep_held("camera:0", ())
+    with tools._open_held("camera:0", entry):
+        assert drivers[-1].values[AUTO] == 3.0

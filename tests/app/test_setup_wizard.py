@@ -14,6 +14,7 @@ from app.workbook import Workbook
 from core.generations import ProfileUnwritableError
 from core.ghost import Ghost
 from core.setup_plan import SHOTS
+from tests.app.live_fakes import CAMERA
 from tests.app.setup_fakes import begin, close, open_setup, seen_people, shoot
 
 SPACE, BACKSPACE = Qt.Key.Key_Space, Qt.Key.Key_Backspace
@@ -188,6 +189,18 @@ def test_a_camera_that_is_lost_is_told_and_comes_back(qtbot, setup):
     qtbot.waitUntil(lambda: page.live._image is not None, timeout=5000)
     assert sum(state != "missing" for state in page.sheet.states().values()) >= kept
     shoot(qtbot, setup, kept + 3)
+    close(setup)
+
+
+def test_a_camera_that_is_waited_for_is_told_of_and_goes_on_by_itself(qtbot, setup):
+    page = begin(qtbot, setup)
+    camera = setup.tools.cameras_open[CAMERA]
+    camera.trouble = "The camera is gone. Waiting for it."
+    qtbot.waitUntil(lambda: page.live.guide.advice == camera.trouble, timeout=5000)
+    assert setup.tools.speaker.played.count("trouble") == 1
+    camera.trouble = ""
+    qtbot.waitUntil(lambda: "gone" not in page.live.guide.advice, timeout=5000)
+    shoot(qtbot, setup, 1)
     close(setup)
 
 
