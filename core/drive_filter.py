@@ -6,7 +6,9 @@ differences. Speed counts in units of each value's own noise and only above what
 so a still face stays in the steady state whatever the camera. The speed is measured from the
 filtered value to the new one: a blink opens the filter in the very frame in which it starts. And
 all values of a group pass by the same share: what belongs together in the lips stays together, and
-a plosive's mouthClose still matches its jawOpen, while brows do not move on a blink.
+a plosive's mouthClose still matches its jawOpen, while brows do not move on a blink. Turn and place
+of the head are two groups: nobody sits without swaying by millimetres, and that must not let the
+turn shake.
 """
 
 from dataclasses import dataclass, field
@@ -14,7 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from core.arkit import EXPRESSION_NAMES
-from core.drive_settings import FILTER_GROUPS, Steadiness
+from core.drive_settings import Steadiness
 from core.kernels.drive import follow_groups
 from core.kernels.pose import rotate_by, rotation_between
 from core.records import I32, FloatArray
@@ -43,6 +45,8 @@ class GroupCutoff:
     speed_cutoff_hz: float
 
 
+#: The groups, and whose taste they follow.
+TASTES = {"turn": "head", "place": "head", "brows": "brows", "eyes": "eyes", "mouth": "mouth"}
 #: Standard deviation from frame to frame of the coefficients of a still face, by how their names
 #: start; measured on the virtual performers and rounded up.
 NOISE: dict[str, float] = {
@@ -57,7 +61,8 @@ class FilterSettings:
     """How everything is filtered.
 
     Attributes:
-        head: Turn and place of the head.
+        turn: The head's rotation.
+        place: Its place.
         brows: Brows.
         eyes: Lids and gaze.
         mouth: Everything else.
@@ -69,13 +74,14 @@ class FilterSettings:
         longest_step_s: After a longer gap the filter starts anew.
     """
 
-    head: GroupCutoff = field(default_factory=lambda: GroupCutoff(0.4, 0.1, 60.0, 2.0))
+    turn: GroupCutoff = field(default_factory=lambda: GroupCutoff(0.4, 0.1, 60.0, 2.0))
+    place: GroupCutoff = field(default_factory=lambda: GroupCutoff(0.4, 0.1, 50.0, 2.0))
     brows: GroupCutoff = field(default_factory=lambda: GroupCutoff(0.4, 0.1, 50.0, 2.0))
     eyes: GroupCutoff = field(default_factory=lambda: GroupCutoff(0.5, 0.1, 50.0, 2.0))
     mouth: GroupCutoff = field(default_factory=lambda: GroupCutoff(0.5, 0.1, 50.0, 2.0))
     gaze_noise_rad: float = 0.006
     turn_noise_rad: float = 0.003
-    place_noise_mm: float = 0.06
+    place_noise_mm: float = 0.1
     depth_factor: float = 6.0
     taste_factor: float = 3.0
     longest_step_s: float = 0.3
@@ -97,10 +103,10 @@ class GroupFilter:
     def table(self, taste: Steadiness) -> FloatArray:
         """Return the kernel's settings (G, 4) for a taste."""
         rows = []
-        for name in FILTER_GROUPS:
+        for name, whose in TASTES.items():
             group: GroupCutoff = getattr(self._settings, name)
             # At 1 nothing is filtered at all: 1 kHz passes everything in one frame.
-            liking = getattr(taste, name)
+            liking = getattr(taste, whose)
             factor = self._settings.taste_factor ** (2 * liking - 1) if liking < 1 else 1e3
             quiet = group.quiet_speed * self._settings.taste_factor ** (0.5 - liking)
             rows.append([
@@ -158,13 +164,14 @@ def group_of(name: str) -> str:
 
 def group_order() -> tuple[I32, I32]:
     """Return the values (D,) sorted by group, and the first of each group (G+1,) in them."""
-    members: dict[str, list[int]] = {name: [] for name in FILTER_GROUPS}
+    members: dict[str, list[int]] = {name: [] for name in TASTES}
     for index, name in enumerate(EXPRESSION_NAMES):
         members[group_of(name)].append(index)
     members["eyes"] += range(GAZE.start, GAZE.stop)
-    members["head"] += range(TURN.start, PLACE.stop)
-    sizes = [len(members[name]) for name in FILTER_GROUPS]
-    order = np.concatenate([members[name] for name in FILTER_GROUPS]).astype(np.int32)
+    members["turn"] += range(TURN.start, TURN.stop)
+    members["place"] += range(PLACE.start, PLACE.stop)
+    sizes = [len(one) for one in members.values()]
+    order = np.concatenate(list(members.values())).astype(np.int32)
     return order, np.concatenate([[0], np.cumsum(sizes)]).astype(np.int32)
 
 

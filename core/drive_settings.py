@@ -10,8 +10,6 @@ from typing import Any
 from core.arkit import EXPRESSION_NAMES
 from core.records import FloatArray
 
-#: Groups of what is filtered together.
-FILTER_GROUPS = ("head", "brows", "eyes", "mouth")
 #: Keys 1 to 9.
 N_KEYS = 9
 
