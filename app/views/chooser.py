@@ -4,12 +4,12 @@ from collections.abc import Sequence
 
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QIcon
-from PySide6.QtWidgets import QComboBox, QWidget
+from PySide6.QtWidgets import QComboBox, QListView, QWidget
 
 from app.views.choice import Choice
 
-#: Side of the small pictures in the list.
-_PICTURE_PX = 26
+#: Side of the small pictures in the box and in the list that drops down.
+_IN_BOX_PX, _IN_LIST_PX = 20, 40
 
 
 class Chooser(QComboBox):
@@ -24,7 +24,12 @@ class Chooser(QComboBox):
         # Long names of files and cameras must not widen the window.
         self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
         self.setMinimumContentsLength(12)
-        self.setIconSize(QSize(_PICTURE_PX, _PICTURE_PX))
+        self.setIconSize(QSize(_IN_BOX_PX, _IN_BOX_PX))
+        # The list that Qt makes itself draws all pictures as small as in the box.
+        shown = QListView()
+        shown.setIconSize(QSize(_IN_LIST_PX, _IN_LIST_PX))
+        shown.setSpacing(1)
+        self.setView(shown)
         self.setPlaceholderText(f"Choose: {name.lower()}")
         self._choices: tuple[Choice, ...] = ()
         self._current = ""

@@ -147,8 +147,10 @@ def iris_of(seen: Frontal, model: FaceModel, white: FloatArray) -> Color | None:
         return None
     level = light.mean(axis=1)
     middle = light[(level > np.quantile(level, 0.3)) & (level < np.quantile(level, 0.8))]
-    # Shaded by the lids, and mixed with the pupil: brighter in truth.
-    color = np.clip(1.5 * np.median(middle, axis=0) / white, 0.012, 0.5)
+    color = np.median(middle, axis=0) / white
+    # The cornea mirrors grey surroundings over it; the lids shade it.
+    color = 1.25 * (color - 0.5 * color.min())
+    color = np.clip(color, 0.012, 0.5)
     return as_color(color)
 
 
