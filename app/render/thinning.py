@@ -8,11 +8,13 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from app.render.avatar import Part
 from core.kernels.simplify import MOST_AROUND, collapse_edges
-from core.records import F32, I32
+from core.records import F32, I32, BoolArray, FloatArray
 
-#: How far skin, and anything else, may come to lie from where it was, and how long an edge may
-#: get: skin is lit at its vertices, and moves with them.
-_SKIN_MM, _OTHERS_MM = (0.2, 12.0, 0.12), (0.6, 40.0, 0.05)
+#: Limits of `simplified` by material: skin is lit at its vertices, and moves with them.
+_LIMITS = {"skin": (0.15, 12.0, 0.12)}
+_OTHERS = (0.6, 40.0, 0.05)
+#: How far a texture may be shifted, in its pixels, and the shade of folds changed.
+_SHIFTED_PX, _SHADED = 4.0, 0.06
 #: Triangles are drawn in layers of this depth, the front first.
 _LAYER_MM = 15.0
 
@@ -31,13 +33,47 @@ def thinned(part: Part, neutral_mm: F32) -> Part:
     triangles = part.triangles
     # What lies inside the mouth comes to the light in other shapes; lashes are thin by nature.
     if not (material.in_mouth or material.blended):
-        limits = _SKIN_MM if material.shader == "skin" else _OTHERS_MM
-        triangles = simplified(points, triangles, *limits)
+        limits = _LIMITS.get(material.shader, _OTHERS)
+        height, width = material.texture.shape[:2]
+        drawn = np.column_stack([part.uv * [width, height] / _SHIFTED_PX, part.extra / _SHADED])
+        fixed = bends(points, triangles, drawn) > 1
+        triangles = simplified(points, triangles, *limits, fixed)
     return _in_order(replace(part, triangles=triangles), points)
 
 
+def bends(points_mm: F32, triangles: I32, values: FloatArray) -> FloatArray:
+    """Return how far from straight values run around each vertex, (V,).
+
+    Where they are no straight function of the place, leaving out the vertex would change what is
+    drawn: bend strands of hair, take the shade out of a fold.
+
+    Args:
+        points_mm: (V, 3).
+        triangles: (T, 3).
+        values: (V, K), such as places in a texture.
+    """
+    a, b = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).T
+    a, b = np.concatenate([a, b]), np.concatenate([b, a])
+    way, change = points_mm[b].astype(float) - points_mm[a], values[b] - values[a]
+    grams = np.zeros((len(points_mm), 3, 3))
+    mixed = np.zeros((len(points_mm), 3, values.shape[1]))
+    np.add.at(grams, a, way[:, :, None] * way[:, None, :])
+    np.add.at(mixed, a, way[:, :, None] * change[:, None, :])
+    # The best straight function by least squares; the small term is for sheets, which are flat.
+    straight = np.linalg.solve(grams + 0.05 * np.eye(3), mixed)
+    left = change - np.einsum("ei,eik->ek", way, straight[a])
+    out = np.zeros(len(points_mm))
+    np.maximum.at(out, a, np.abs(left).max(axis=1))
+    return out
+
+
 def simplified(
-    points_mm: F32, triangles: I32, tolerance_mm: float, longest_mm: float, flattest: float
+    points_mm: F32,
+    triangles: I32,
+    tolerance_mm: float,
+    longest_mm: float,
+    flattest: float,
+    fixed: BoolArray | None = None,
 ) -> I32:
     """Return fewer triangles (T', 3) of the same vertices.
 
@@ -48,6 +84,7 @@ def simplified(
         longest_mm: No edge becomes longer.
         flattest: No triangle's doubled area becomes less than this share of its longest edge
             squared.
+        fixed: (V,) vertices that stay; None for no more than those at borders.
     """
     count = len(points_mm)
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
@@ -55,6 +92,8 @@ def simplified(
     locked = np.zeros(count, np.uint8)
     # At borders and at seams of the texture nothing moves, or gaps would open.
     locked[unique[uses != 2]] = 1
+    if fixed is not None:
+        locked[fixed] = 1
     left = triangles.copy()
     collapse_edges(
         np.ascontiguousarray(points_mm, np.float64), left, locked,

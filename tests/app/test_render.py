@@ -10,7 +10,7 @@ from app.render.eyeball import EDGE_RAD, eyeball, gaze_matrix
 from app.render.programs import source
 from app.render.renderer import Item, Scene
 from app.render.scene import Lights, Material, Mesh, View, placed, studio_lights
-from app.render.thinning import simplified, thinned
+from app.render.thinning import bends, simplified, thinned
 from app.render.thread import RenderThread
 from core.camera import camera_for, project
 from core.kernels.antialias import gray_of, lay_over, mark_edges, smooth_edges
@@ -390,3 +390,29 @@ def test_a_thinned_part_draws_the_same_vertices_in_another_order():
     assert z[: len(z) // 4].max() < z[-len(z) // 4 :].min()
     mouth = Part(Material("wet", WHITE, in_mouth=True), rows, part.uv, extra, triangles)
     assert len(thinned(mouth, neutral).triangles) == len(triangles)
+
+
+def test_what_is_drawn_around_a_straight_run_of_values_may_go_and_a_bend_may_not(rng):
+    points, triangles = dome()
+    straight = points @ rng.normal(size=(3, 2)) + 7
+    assert bends(points, triangles, straight).max() < 0.05 * np.ptp(straight)
+    bent = np.where(points[:, :1] > 0, points[:, :1], 0.0)
+    far = bends(points, triangles, bent)
+    spacing = 120 / 23
+    at_bend = np.abs(points[:, 0]) < spacing
+    assert far[at_bend].min() > 0.1 * spacing > 10 * far[np.abs(points[:, 0]) > 2 * spacing].mean()
+
+
+def test_strands_of_a_texture_keep_their_curls():
+    points, triangles = dome()
+    texture = np.zeros((100, 100, 3), np.uint8)
+    rows, extra = np.arange(len(points), dtype=np.int32), np.ones((len(points), 4))
+
+    def left(curl):
+        uv = points[:, :2] / 120 + curl * np.sin(points[:, 1:2] / 4)
+        return len(
+            thinned(Part(Material("plain", texture), rows, uv, extra, triangles), points).rows
+        )
+
+    assert left(0.3) > left(0.1) > 1.2 * left(0.0)
+    assert left(0.3) > 0.8 * len(points)
