@@ -14,6 +14,7 @@ from app.controllers.controlling import Controlling
 from app.controllers.correcting import CorrectingController
 from app.controllers.correction_tools import CorrectionWorkshop
 from app.controllers.helping import attach_help
+from app.controllers.light_offer import LightOffer
 from app.controllers.live import LiveController
 from app.controllers.looking import Looking
 from app.controllers.own_avatar import OwnAvatar
@@ -56,3 +57,4 @@ def attach_panels(controller: LiveController, window: LiveWindow, tools: Tools) 
     Plotting(controller, window)
     TakesController(controller, window)
     CorrectingController(controller, window, CorrectionWorkshop(tools))
+    LightOffer(controller, window)

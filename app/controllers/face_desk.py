@@ -55,6 +55,12 @@ class FaceDesk(QObject):
         self._guided.finished.connect(self._on_guided_finished)
         self._guided.show()
 
+    def add_pictures(self, source: str, profile: str, key: str) -> None:
+        """Let the guided setup ask for a set of more pictures for a profile."""
+        self.show_guided(source)
+        if self._guided is not None:
+            self._guided.add_pictures(profile, key)
+
     def show_editor(self, profile: str) -> None:
         """Show the landmarks of a profile's pictures, to be corrected."""
         if self._editor is not None:

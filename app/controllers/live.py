@@ -147,6 +147,10 @@ class LiveController(QObject):
         self._performing.swap(performer)
         self.swapped.emit()
 
+    def add_pictures(self, key: str) -> None:
+        """Leave the camera to the guided setup, which asks for a set of core.extra_shots."""
+        self._desk.add_pictures(self._wanted.source, self._wanted.profile, key)
+
     def lend(self) -> None:
         """Give the source back: until the next one is chosen, others show what they play."""
         self.player.play(None)

@@ -23,6 +23,10 @@ class Guided(Protocol):
         """Show the window, in front of all others."""
         ...
 
+    def add_pictures(self, profile: str, key: str) -> None:
+        """Show the window and ask for a set of more pictures, see core.extra_shots."""
+        ...
+
     def close(self) -> object:
         """Close it; everything taken is kept."""
         ...
