@@ -94,7 +94,7 @@ class KeeperSettings:
             second; while somebody else is reckoned with; else.
         growth: Change of its scale that is possible at once and in a second, as a logarithm, alike.
         alike: Mean deviation below which it is the same face wherever it is, if half of its
-            skin is to be seen.
+            skin is to be seen, and change of its scale up to which that is believed.
     """
 
     patience_s: float = 2.5
@@ -104,7 +104,7 @@ class KeeperSettings:
     wary_s: float = 1.0
     reach: tuple[tuple[float, float], tuple[float, float]] = ((0.2, 0.6), (1.0, 3.0))
     growth: tuple[tuple[float, float], tuple[float, float]] = ((0.1, 0.1), (0.15, 0.4))
-    alike: float = 0.85
+    alike: tuple[float, float] = (0.85, 0.25)
 
 
 class FaceKeeper:
@@ -196,7 +196,8 @@ class FaceKeeper:
         if way < reach + reach_s * since_s and grown < growth + growth_s * since_s:
             return True
         shown = float(seen.seen.mean()) > 0.5
-        return shown and float(seen.odd[:N_INTERNAL].mean()) < settings.alike
+        odd = float(seen.odd[:N_INTERNAL].mean())
+        return shown and odd < settings.alike[0] and grown < settings.alike[1]
 
     def _anybody(self, frame: Frame, previous: Alignment | None) -> Alignment | None:
         """Return the face nearest to where one was, else the largest; get to know it if need be."""

@@ -13,6 +13,9 @@ from core.camera import project
 from core.geometry import multiply_quaternions
 from core.records import Camera, FaceState, FloatArray
 
+#: Mean distance of the landmarks, in parts of the face's size, that no two good trackers have.
+_WRONG = 0.08
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Gap:
@@ -36,12 +39,14 @@ class _Gap:
 class StateBlend:
     """Hands states on, and bends the first ones after a change towards those before it."""
 
-    def __init__(self, duration_s: float = 0.2) -> None:
+    def __init__(self, duration_s: float = 0.2, wrong_s: float = 0.07) -> None:
         """Prepare to hand on states.
 
         Args:
             duration_s: Time within which the difference is let go.
+            wrong_s: The same where it is so large that what was shown was wrong.
         """
+        self._usual_s, self._wrong_s = duration_s, wrong_s
         self._duration_s = duration_s
         self._shown: FaceState | None = None
         self._gap: _Gap | None = None
@@ -70,6 +75,9 @@ class StateBlend:
 
     def _begin(self, shown: FaceState, state: FaceState) -> None:
         self._began_s = shown.time_s
+        way_px = np.linalg.norm(shown.landmarks_px - state.landmarks_px, axis=1).mean()
+        wrong = way_px > _WRONG * np.ptp(state.landmarks_px, axis=0).max()
+        self._duration_s = self._wrong_s if wrong else self._usual_s
         back = state.rotation_wxyz * [1, -1, -1, -1]
         self._gap = _Gap(
             multiply_quaternions(shown.rotation_wxyz, back),
