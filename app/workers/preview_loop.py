@@ -17,6 +17,10 @@ from core.shot_quality import is_blank
 
 #: Frames over which the speed is measured, and how many it takes at least.
 SPEED_FRAMES, LEAST_FRAMES = 45, 8
+#: A look takes about as long as a frame: with every one the camera would seem slow.
+LOOK_EVERY = 2
+#: Time and number of a frame.
+Mark = tuple[float, int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,7 +31,7 @@ class Preview:
         frame: The newest frame.
         fps: Measured frames per second, NaN while there are too few.
         blank: Whether the picture shows nothing, as behind a closed lid.
-        seen: What the look at it returned, None if nobody looks.
+        seen: What the look at it or the frame before returned, None if nobody looks.
     """
 
     frame: Frame
@@ -56,7 +60,7 @@ class PreviewLoop(QThread):
         self._open_source = open_source
         self._wishes: SimpleQueue[Callable[[FrameSource], object]] = SimpleQueue()
         self.previews: Latest[Preview] = Latest()
-        #: Called in the thread with every frame.
+        #: Called in the thread with every LOOK_EVERY-th frame.
         self.look: Callable[[Frame], object] | None = None
 
     def ask(self, wish: Callable[[FrameSource], object]) -> None:
@@ -77,21 +81,25 @@ class PreviewLoop(QThread):
         self.wait()
 
     def _read(self, source: FrameSource) -> None:
-        times_s: deque[float] = deque(maxlen=SPEED_FRAMES)
+        marks: deque[Mark] = deque(maxlen=SPEED_FRAMES)
+        seen: object = None
         while not self.isInterruptionRequested():
-            self._fulfil(source, times_s)
+            self._fulfil(source, marks)
             frame = source.read()
             if frame is None:
                 raise CameraLostError(source.name, 0)
             if not source.live:
                 self.usleep(round(1e6 / source.fps))
-            times_s.append(frame.time_s)
+            marks.append((frame.time_s, frame.index))
             look = self.look
-            seen = look(frame) if look is not None else None
-            if self.previews.put(Preview(frame, _fps(times_s), is_blank(frame.gray), seen)):
+            if look is None:
+                seen = None
+            elif frame.index % LOOK_EVERY == 0 or seen is None:
+                seen = look(frame)
+            if self.previews.put(Preview(frame, _fps(marks), is_blank(frame.gray), seen)):
                 self.posted.emit()
 
-    def _fulfil(self, source: FrameSource, times_s: deque[float]) -> None:
+    def _fulfil(self, source: FrameSource, marks: deque[Mark]) -> None:
         while True:
             try:
                 wish = self._wishes.get_nowait()
@@ -99,10 +107,11 @@ class PreviewLoop(QThread):
                 return
             self.answered.emit(wish(source))
             # A wish takes its time, which says nothing about the camera's speed.
-            times_s.clear()
+            marks.clear()
 
 
-def _fps(times_s: deque[float]) -> float:
-    if len(times_s) < LEAST_FRAMES or times_s[-1] <= times_s[0]:
+def _fps(marks: deque[Mark]) -> float:
+    if len(marks) < LEAST_FRAMES:
         return float("nan")
-    return (len(times_s) - 1) / (times_s[-1] - times_s[0])
+    (first_s, first), (last_s, last) = marks[0], marks[-1]
+    return (last - first) / (last_s - first_s) if last_s > first_s else float("nan")
