@@ -3,12 +3,13 @@
     solved -> filter -> blink levels -> rest -> response -> linked eyes -> gains of the head
            -> idle when lost, and back without a jump -> breathing, blinking, expression keys
 
-Time comes with the states. `step` belongs to one thread; everything else may be called from any
-other and takes effect with the next step.
+Time comes with the states. Everything may be called from any thread and takes effect with the next
+step.
 """
 
 from collections import deque
 from dataclasses import astuple, dataclass, replace
+from threading import Lock
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -70,6 +71,7 @@ class Drive:
         self._learned = LearnedLevels()
         self._seen, self._fades = Seen(), KeyFades()
         self._presence, self._breathing, self._blink = Presence(), Breathing(), SelfBlink()
+        self._stepping = Lock()
         self._requests: deque[Callable[[], None]] = deque()
         self._recentre = False
         self._wanted_centre: tuple[Centre | None, ...] = ()
@@ -181,7 +183,7 @@ class Drive:
         """Forget the past: another source or another person. Settings and a set centre stay."""
         self._requests.append(self._forget)
 
-    # -- the live thread -----------------------------------------------------------------
+    # -- frame by frame -----------------------------------------------------------------
 
     def step(self, state: FaceState) -> FaceState:
         """Return the face that the avatar is to show.
@@ -189,6 +191,10 @@ class Drive:
         Landmarks and shape stay those that were solved. A lost face is held, then eased to rest;
         `lost` stays set.
         """
+        with self._stepping:
+            return self._step(state)
+
+    def _step(self, state: FaceState) -> FaceState:
         while self._requests:
             self._requests.popleft()()
         if self._wanted_centre:

@@ -14,6 +14,7 @@ from app.controllers.controlling import Controlling
 from app.controllers.correcting import CorrectingController
 from app.controllers.correction_tools import CorrectionWorkshop
 from app.controllers.helping import attach_help
+from app.controllers.idling import Idling
 from app.controllers.light_offer import LightOffer
 from app.controllers.live import LiveController
 from app.controllers.looking import Looking
@@ -51,6 +52,7 @@ def attach_panels(controller: LiveController, window: LiveWindow, tools: Tools) 
     """
     attach_help(window)
     Controlling(controller, window)
+    Idling(controller)
     Looking(controller, window)
     OwnAvatar(controller, window, tools.profile_folder)
     Playback(controller, window)
