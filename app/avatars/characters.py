@@ -127,7 +127,8 @@ def carried(points_mm: FloatArray, head: Head, near: int = 6) -> F32:
 
 def gradient_texture(first: Color, last: Color, spread: float = 0.06) -> U8:
     """Return a texture (64, 64, 4) from one colour at v = 0 to another, with faint streaks."""
-    down = np.linspace(0, 1, 64, dtype=np.float32)[:, None, None]
+    # Fur and hair are light at their tips only.
+    down = np.linspace(0, 1, 64, dtype=np.float32)[:, None, None] ** 2
     across = np.arange(64) * 2 * np.pi / 64
     streaks = 1 + spread * (np.sin(3 * across) + 0.7 * np.sin(7 * across + 1))[None, :, None]
     color = (rgb(*first) * (1 - down) + rgb(*last) * down) * streaks

@@ -30,12 +30,13 @@ _STEPS = (
     Swell((0, 150, 95), (200, 48, 200), (0.72, 1.0, 0.78)),
 )
 _EYES = EyeStyle(size=1.26, shift=(8.0, 1.0, 4.0), tall=0.16, slant_rad=0.26, inner=1.2, outer=3.2)
-#: Tufts of the subject's left cheek, the lower ones over the upper.
+#: Tufts of the subject's left cheek: they cover where an ear of the model was.
 _CHEEK = (
-    Clump(((58, 6, -8), (72, -4, 1), (84, -18, 13)), 34, 0.3),
-    Clump(((54, -8, -8), (68, -20, 2), (80, -36, 18)), 38, 0.3),
-    Clump(((50, -20, -8), (62, -32, 1), (70, -48, 15)), 36, 0.3),
-    Clump(((46, -30, -8), (54, -42, -1), (58, -56, 9)), 30, 0.3),
+    Clump(((66, 16, -9), (88, 8, -1), (108, -4, 7)), 40, 0.2),
+    Clump(((60, 6, -9), (82, -4, 0), (104, -18, 11)), 44, 0.2),
+    Clump(((54, -4, -9), (76, -14, 1), (97, -31, 15)), 46, 0.2),
+    Clump(((49, -14, -9), (68, -24, 1), (87, -42, 16)), 44, 0.2),
+    Clump(((45, -23, -9), (60, -34, 0), (74, -51, 12)), 38, 0.2),
 )
 #: How ears turn with some expressions: about the axis to the side (forward), and inwards, rad.
 _EAR_MOVES = {
@@ -54,7 +55,7 @@ def _worn(head: Head) -> tuple[Worn, ...]:
     ears = joined([mirrored(left), left])
     tip = head.neutral_mm[head.model.landmark_vertices[NAMES.index("nose_tip")]]
     nose = ball(tip + [0, -1, 1], np.array([11.5, 8.0, 8.0]), 0.35)
-    cream = gradient_texture((228, 158, 96), (255, 246, 232), 0.05)
+    cream = gradient_texture((220, 136, 66), (255, 244, 226), 0.10)
     return (
         Worn(Material("plain", _ear_texture()), ears, _ear_deltas(ears)),
         Worn(Material("wet", _nose_texture(), {"gloss": 0.5}), nose, _as_one(nose, head)),
