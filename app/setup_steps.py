@@ -14,6 +14,7 @@ from app.profiles import encoded_pictures
 from core.alignment import Alignment
 from core.arkit import EXPRESSION_NAMES
 from core.blind_pictures import prompt_of, rows_of_shapes
+from core.calibration import Before
 from core.errors import NoFaceError
 from core.face_model import FaceModel
 from core.face_regions import FaceBox
@@ -21,7 +22,7 @@ from core.frame_selection import Candidate, candidate, choose
 from core.free_comparison import free_report
 from core.held_out import HeldOutSettings, Measured
 from core.landmarks import N_LANDMARKS
-from core.pipeline import LEAST_PICTURES, Built, build
+from core.pipeline import LEAST_PICTURES, BuildSettings, Built, build
 from core.records import U8, Frame, Landmarks2D, Progress, SetupImages
 from core.setup_plan import standard_for
 from core.store import Profile, save
@@ -60,12 +61,14 @@ class Pictures:
         notes: What the user should know about the pictures.
         automatic: The landmarks as the aligner found them, before any correction; nothing where
             none was corrected.
+        before: What an earlier training of the same person found with the same camera.
     """
 
     images: SetupImages
     landmarks: tuple[Landmarks2D, ...]
     notes: tuple[str, ...]
     automatic: tuple[Landmarks2D, ...] = ()
+    before: Before | None = None
 
 
 def collect(source: Path, aligner: Aligner) -> Generator[Progress, None, Pictures]:
@@ -170,7 +173,8 @@ def make_profile(
     model: FaceModel, pictures: Pictures, focal_px: float | None, rng: np.random.Generator
 ) -> Generator[Progress, None, tuple[Profile, SetupImages]]:
     """Return a profile made from pictures, and the pictures that went into it."""
-    built = yield from build(model, pictures.images, pictures.landmarks, focal_px, rng)
+    settings = BuildSettings(before=pictures.before)
+    built = yield from build(model, pictures.images, pictures.landmarks, focal_px, rng, settings)
     images = built.images
     free = yield from _without_training(model, built, pictures)
     profile = Profile(

@@ -11,6 +11,7 @@ from app.resizing import at_size, thumbnail, toned
 from app.setup_steps import Pictures, keep, make_profile
 from core.blendshapes import user_blendshapes
 from core.blind_pictures import rows_of_fit
+from core.calibration import Before
 from core.camera import camera_for
 from core.draft import Draft, DraftPicture
 from core.extra_shots import as_seen
@@ -248,7 +249,13 @@ class Workbook:
         standard = np.stack([self.standard(name) for name in names])
         images = SetupImages(tuple(self._images[name] for name in names), names, standard)
         marks = tuple(self._landmarks[name] for name in names)
-        return Pictures(images, marks, (), tuple(self.automatic(name) for name in names))
+        automatic = tuple(self.automatic(name) for name in names)
+        return Pictures(images, marks, (), automatic, self._before())
+
+    def _before(self) -> Before | None:
+        """Return what the last training found; it is where the next one begins."""
+        profile = self.profile
+        return None if profile is None else Before(profile.camera.focal_px, profile.fit)
 
     @property
     def given_focal_px(self) -> float | None:

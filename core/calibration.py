@@ -20,7 +20,8 @@ from core.face_model import FaceModel
 from core.fit_priors import PriorSettings
 from core.fit_problem import State
 from core.fit_space import FitSpace, fit_space
-from core.focal_search import search_focal, smooth_minimum
+from core.focal_search import FocalNotBracketedError, search_focal, smooth_minimum
+from core.joint_step import Person
 from core.landmarks import N_INTERNAL
 from core.model_fit import (
     Fit,
@@ -32,7 +33,7 @@ from core.model_fit import (
     trust_in_motion,
 )
 from core.picture_fit import Problem, fit_pictures
-from core.records import U8, Camera, FloatArray, Landmarks2D, Progress
+from core.records import U8, Camera, FloatArray, Landmarks2D, ModelFit, Progress
 
 T = TypeVar("T")
 
@@ -68,6 +69,8 @@ class CalibrationSettings:
         evaluations: Fits after the first.
         steps: Most joint steps of each.
         tolerance: A fit ends when its error falls by less than this share.
+        near_ratio: A search that begins at an earlier result looks so far to both sides of it.
+        near_evaluations: Fits after the first of such a search.
     """
 
     fit: FitSettings = field(
@@ -88,6 +91,21 @@ class CalibrationSettings:
     evaluations: int = 10
     steps: int = 12
     tolerance: float = 1e-5
+    near_ratio: float = 1.2
+    near_evaluations: int = 5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Before:
+    """What an earlier training of the same person with the same camera found.
+
+    Attributes:
+        focal_px: Focal length.
+        fit: The fitted model; only the person is taken from it.
+    """
+
+    focal_px: float
+    fit: ModelFit
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,9 +137,12 @@ def calibrate(
 
 def estimate_focal(
     model: FaceModel, size_px: tuple[int, int], landmarks: Sequence[Landmarks2D],
-    standard: FloatArray | None, settings: CalibrationSettings,
+    standard: FloatArray | None, settings: CalibrationSettings, before: Before | None = None,
 ) -> Generator[Progress, None, FocalEstimate]:  # fmt: skip
     """Find the focal length at which the face model fits the pictures best.
+
+    After an earlier training the search begins at its result and looks around it only; that takes
+    half the time and finds the same. Where the error still falls at the edge it begins anew.
 
     Args:
         model: The bilinear face model.
@@ -129,6 +150,7 @@ def estimate_focal(
         landmarks: N pictures' landmarks.
         standard: (N, B) coefficients a*, NaN rows or None without prompts.
         settings: How to search.
+        before: What an earlier training found.
 
     Yields:
         Progress, once per round of the first fit, then with the focal length and its error once
@@ -140,13 +162,42 @@ def estimate_focal(
     """
     check_landmarks(landmarks)
     space, width = fit_space(model), size_px[0]
+    settings = replace(settings, dispersion=_dispersion(landmarks, settings))
+    if before is not None:
+        near = camera_for(size_px, before.focal_px)
+        problem, guess = set_up(space, near, landmarks, settings.fit, standard)
+        start = replace(guess, person=Person(before.fit.identity, before.fit.offsets_mm))
+        try:
+            narrow = _around(before.focal_px / width, settings)
+            return (yield from _searched(problem, space, start, narrow))
+        except FocalNotBracketedError:
+            # Too much has changed.
+            pass
     camera = camera_for(size_px, settings.usual_widths * width)
     problem, start = set_up(space, camera, landmarks, settings.fit, standard)
+    return (yield from _searched(problem, space, start, settings))
+
+
+def _around(widths: float, settings: CalibrationSettings) -> CalibrationSettings:
+    """Return the settings of a search around a focal length in image widths."""
+    return replace(
+        settings,
+        fit=replace(settings.fit, rounds=1),
+        low_widths=widths / settings.near_ratio,
+        high_widths=widths * settings.near_ratio,
+        evaluations=settings.near_evaluations,
+    )
+
+
+def _searched(
+    problem: Problem, space: FitSpace, start: Fit, settings: CalibrationSettings
+) -> Generator[Progress, None, FocalEstimate]:
+    """Search the interval of the settings, from a start."""
+    size_px = problem.camera.size_px
     rounds, total = settings.fit.rounds, settings.fit.rounds + settings.evaluations + 1
     first = yield from _part(refine(problem, space, start, settings.fit), 0, total)
-    settings = replace(settings, dispersion=_dispersion(landmarks, settings))
     trial = _Trials(problem, space, first, settings)
-    low, high = settings.low_widths * width, settings.high_widths * width
+    low, high = settings.low_widths * size_px[0], settings.high_widths * size_px[0]
     search = search_focal(trial.error, low, high, settings.evaluations - 1)
     best = yield from _part(search, rounds, total)
     focals = np.array(sorted(trial.tried))

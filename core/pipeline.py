@@ -11,7 +11,7 @@ import numpy as np
 
 from core.blendshapes import user_blendshapes
 from core.blind_pictures import Pictures, Placed, Sorting, sort_pictures, with_guesses
-from core.calibration import CalibrationSettings, FocalEstimate, estimate_focal
+from core.calibration import Before, CalibrationSettings, FocalEstimate, estimate_focal
 from core.camera import camera_for
 from core.errors import CoreError
 from core.evaluation import TABLE_WIDTH_PX
@@ -67,7 +67,11 @@ class FewPicturesError(CoreError):
 
 @dataclass(frozen=True, slots=True)
 class BuildSettings:
-    """The settings of every stage."""
+    """The settings of every stage.
+
+    Attributes:
+        before: What an earlier training of this person found, to begin with; None: nothing.
+    """
 
     fit: FitSettings = field(default_factory=FitSettings)
     calibration: CalibrationSettings = field(default_factory=CalibrationSettings)
@@ -75,6 +79,7 @@ class BuildSettings:
     training_set: TrainingSetSettings = field(default_factory=TrainingSetSettings)
     train: TrainSettings = field(default_factory=TrainSettings)
     held_out: HeldOutSettings = field(default_factory=HeldOutSettings)
+    before: Before | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -168,7 +173,9 @@ def build(
     stages = _Stages(set() if focal_px is None else {"calibrate"})
     standard = images.standard
     if focal_px is None:
-        search = estimate_focal(model, (width, height), landmarks, standard, settings.calibration)
+        search = estimate_focal(
+            model, (width, height), landmarks, standard, settings.calibration, settings.before
+        )
         focal = yield from stages.run("calibrate", search)
     else:
         focal = known_focal((width, height), focal_px)
@@ -243,16 +250,18 @@ class _Stages:
 
     def run(self, name: str, steps: Generator[Progress, None, T]) -> Generator[Progress, None, T]:
         """Run a stage to its end."""
-        label = LABELS[name]
-        yield Progress(round(STEPS * self._before), STEPS, label)
+        label, reached = LABELS[name], self._before
+        yield Progress(round(STEPS * reached), STEPS, label)
         while True:
             try:
                 inner = next(steps)
             except StopIteration as end:
                 self._before += self._shares[name]
                 return end.value  # type: ignore[no-any-return]
+            # A search that begins anew does not go back.
             place = self._before + self._shares[name] * inner.done / max(inner.total, 1)
-            yield replace(inner, done=round(STEPS * place), total=STEPS, label=label)
+            reached = max(reached, place)
+            yield replace(inner, done=round(STEPS * reached), total=STEPS, label=label)
 
 
 def _weak(

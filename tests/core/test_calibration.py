@@ -8,6 +8,7 @@ import pytest
 
 from app.performer.opening import FOCAL_LENGTHS_PX, PEOPLE
 from core.calibration import (
+    Before,
     CalibrationSettings,
     ChessboardError,
     calibrate,
@@ -17,7 +18,7 @@ from core.calibration import (
 from core.camera import camera_for, project
 from core.focal_search import FocalNotBracketedError, search_focal, smooth_minimum
 from core.geometry import matrix_from_head_angles
-from core.model_fit import FewLandmarksError
+from core.model_fit import FewLandmarksError, fit_model
 from core.setup_plan import SHOTS
 from tests.benchmarks.focal_length import found_from_exact
 from tests.core.held_out_person import face_model, filmed, person, prompts
@@ -205,3 +206,29 @@ def test_errors_count_in_full_where_the_user_placed_the_landmarks():
     ]  # fmt: skip
     rise = [np.ptp(one.errors) for one in found]
     assert rise[1] > 3 * rise[0]
+
+
+def test_a_search_that_begins_at_an_earlier_result_is_shorter_and_finds_the_same():
+    film = filmed(person(1), prompts("pose"), np.random.default_rng(1), 600.0)
+    settings = CalibrationSettings()
+    cold = estimate_of(film, film.standard)
+    fit = result_of(
+        fit_model(face_model(), cold.camera, film.landmarks, settings.fit, film.standard)
+    )
+
+    def begun_at(focal_px):
+        before = Before(focal_px, fit)
+        size_px = film.camera.size_px
+        steps = estimate_focal(
+            face_model(), size_px, film.landmarks, film.standard, settings, before
+        )
+        return result_of(steps)
+
+    near = begun_at(1.08 * cold.camera.focal_px)
+    assert near.camera.focal_px == pytest.approx(cold.camera.focal_px, rel=0.01)
+    assert near.spread == pytest.approx(cold.spread, rel=0.2)
+    assert len(near.focals_px) < 0.6 * len(cold.focals_px)
+    # What was found before is of no use: everything as without it.
+    far = begun_at(1.6 * cold.camera.focal_px)
+    assert far.camera.focal_px == cold.camera.focal_px
+    assert np.array_equal(far.errors, cold.errors)
