@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject
 
 from app.controllers.face_mesh import FaceMesh
 from app.controllers.player import Performer
-from app.views.layers import AXIS_COLORS, Bars, Layer, Lines, Points, Trace
+from app.views.layers import APPEARANCE_COLOR, AXIS_COLORS, Bars, Layer, Lines, Points, Trace
 from app.views.live_actions import LiveActions
 from app.workers.job import Job
 from core.arkit import EXPRESSION_NAMES
@@ -106,7 +106,7 @@ class Overlays(QObject):
         if regressor is None or state.mode != "trained":
             return []
         places_px = project(camera, appearance_points_mm(regressor, state.shape_mm))
-        return [Points(places_px, radius=1.2)]
+        return [Points(places_px, radius=1.2, color=APPEARANCE_COLOR)]
 
     def _trace(self) -> list[Layer]:
         history = np.array(list(self._history))

@@ -17,10 +17,11 @@ from PySide6.QtGui import QColor, QPainter, QPen
 POINT_COLOR = QColor(0, 220, 255)
 POINT_EDGE = QColor(0, 40, 60, 200)
 LOST_COLOR = QColor(255, 170, 0)
+APPEARANCE_COLOR = QColor(255, 214, 90)
 MESH_COLOR = QColor(180, 255, 220, 150)
 #: The subject's left, up, and where the face looks.
 AXIS_COLORS = (QColor(255, 90, 90), QColor(110, 230, 110), QColor(100, 160, 255))
-BAR_GROUND, BAR_COLOR = QColor(20, 22, 24, 150), QColor(0, 190, 230, 220)
+BAR_GROUND, BAR_COLOR = QColor(20, 22, 24, 120), QColor(0, 190, 230, 220)
 BAR_TEXT, BAR_PALE_TEXT = QColor(245, 247, 250), QColor(160, 165, 170)
 TRACE_GROUND, TRACE_LIMIT = QColor(20, 22, 24, 190), QColor(160, 165, 170, 120)
 TRACE_PARTS = QColor(255, 220, 120)
@@ -120,11 +121,11 @@ class Bars:
         rows = -(-len(self.values) // 2)
         height = (area.height() - 16) / rows
         font = painter.font()
-        font.setPixelSize(max(7, min(12, round(height - 1))))
+        font.setPixelSize(max(7, min(11, round(height - 2))))
         painter.setFont(font)
         metrics = painter.fontMetrics()
         name_width = max(metrics.horizontalAdvance(name) for name in self.names) + 6
-        width = min(name_width + 60.0, area.width() / 2 - 8)
+        width = min(name_width + 48.0, area.width() / 2 - 8)
         for place, (name, value) in enumerate(zip(self.names, self.values.tolist(), strict=True)):
             right = place >= rows
             left = area.right() - width - 8 if right else area.left() + 8

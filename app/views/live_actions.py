@@ -37,8 +37,8 @@ DEEDS = (
     Deed("File", "loop", "&Loop", "", True, "Begin again at the end of a video"),
     Deed("File", "-"),
     Deed("File", "quit", "&Quit", "Ctrl+Q"),
-    Deed("View", "source", "&Webcam view", "F7", True),
-    Deed("View", "avatar", "&Avatar view", "F8", True),
+    Deed("View", "source", "Show &webcam", "F7", True),
+    Deed("View", "avatar", "Show &avatar", "F8", True),
     Deed("View", "swap", "&Swap views", "F6"),
     Deed(
         "View", "blank", "&Hide webcam picture", "Ctrl+H", False,

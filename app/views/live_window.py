@@ -79,7 +79,7 @@ class LiveWindow(QMainWindow):
         self.landmarks_box.setChecked(True)
         self.message_bar, self.job_row, self.status = MessageBar(), JobRow(), StatusRow()
         self.card = SetupCard()
-        self.hint, self.choices = QLabel(), QWidget()
+        self.hint, self.choices, self.below = QLabel(), QWidget(), QWidget()
         self._name_trouble: Callable[[str], str] = lambda name: ""
         self._performer = Choice("", "")
         self._profile_names: tuple[str, ...] = ()
@@ -199,6 +199,7 @@ class LiveWindow(QMainWindow):
         # Not hidden: the keys of a hidden menu bar are dead.
         self.menuBar().setMaximumHeight(0 if bare else QWIDGETSIZE_MAX)
         self.choices.setHidden(bare)
+        self.below.setHidden(bare)
         self.status.setHidden(bare)
         margin = 0 if bare else MARGIN_PX
         self._layout.setContentsMargins(margin, margin, margin, 0 if bare else 2)
@@ -257,6 +258,10 @@ class LiveWindow(QMainWindow):
         self.hint.setAccessibleName("Hint")
         self.hint.setForegroundRole(QPalette.ColorRole.PlaceholderText)
         self._fill_choices()
+        below = QVBoxLayout(self.below)
+        below.setContentsMargins(0, 0, 0, 0)
+        for widget in (self.transport, self.card, self.hint):
+            below.addWidget(widget)
         center = QWidget()
         layout = QVBoxLayout(center)
         layout.setContentsMargins(MARGIN_PX, MARGIN_PX, MARGIN_PX, 2)
@@ -265,9 +270,7 @@ class LiveWindow(QMainWindow):
         layout.addWidget(self.message_bar)
         layout.addWidget(self.job_row)
         layout.addWidget(self.pair, stretch=1)
-        layout.addWidget(self.transport)
-        layout.addWidget(self.card)
-        layout.addWidget(self.hint)
+        layout.addWidget(self.below)
         self._layout = layout
         self.setCentralWidget(center)
         self.setStatusBar(self.status)

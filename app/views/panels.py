@@ -4,6 +4,7 @@ from PySide6.QtCore import QObject, Qt
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QMenu, QWidget
 
+FIRST_HEIGHT_PX = 190
 AREAS = {
     "right": Qt.DockWidgetArea.RightDockWidgetArea,
     "bottom": Qt.DockWidgetArea.BottomDockWidgetArea,
@@ -42,6 +43,9 @@ class Panels(QObject):
         self._stack(dock, area)
         dock.hide()
         self._docks[key] = dock
+        if area == "bottom":
+            # Else it would take half of the window from the pictures.
+            self._window.resizeDocks([dock], [FIRST_HEIGHT_PX], Qt.Orientation.Vertical)
         action = dock.toggleViewAction()
         action.setShortcut(QKeySequence(shortcut))
         self._menu.addAction(action)

@@ -87,7 +87,7 @@ class Plot(QWidget):
         made.hideButtons()
         made.showGrid(x=True, y=True, alpha=0.2)
         made.setAccessibleName(f"{self._texts['left']} over {self._texts['bottom']}")
-        self._legend = made.addLegend(offset=(8, 4), verSpacing=-4)
+        self._legend = made.addLegend(offset=(8, 4), verSpacing=-6, colCount=2)
         yield
         for color in COLORS[: self._n_curves]:
             # Wider lines are drawn many times slower.

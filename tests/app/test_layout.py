@@ -52,9 +52,10 @@ def test_views_change_sides_and_one_of_them_always_stays(desk):
 
 def test_full_screen_shows_nothing_but_pictures_and_keeps_its_keys(desk, qtbot):
     window = desk()
+    qtbot.waitUntil(lambda: window.card.isVisible())
     qtbot.waitUntil(window.isActiveWindow)
     qtbot.keyClick(window, Qt.Key.Key_F11)
-    assert window.isFullScreen() and not window.choices.isVisible()
+    assert window.isFullScreen() and not window.card.isVisible() and not window.choices.isVisible()
     assert not window.status.isVisible() and window.menuBar().height() == 0
     qtbot.keyClick(window, Qt.Key.Key_F6)
     assert window.pair.swapped
@@ -159,11 +160,11 @@ def test_a_camera_that_is_gone_at_the_next_start_is_not_waited_for(desk):
 
 def test_a_panel_is_in_the_menu_hidden_at_first_and_has_its_key(desk, qtbot):
     window = desk()
-    action = window.add_panel("notes", "Notes", QLabel("a panel"), "Ctrl+K")
+    action = window.add_panel("notes", "Notes", QLabel("a panel"), "Ctrl+J")
     other = window.add_panel("more", "More", QLabel("another"))
     assert action in window.menu("View").actions() and not window.panels.dock("notes").isVisible()
     qtbot.waitUntil(window.isActiveWindow)
-    qtbot.keyClick(window, Qt.Key.Key_K, Qt.KeyboardModifier.ControlModifier)
+    qtbot.keyClick(window, Qt.Key.Key_J, Qt.KeyboardModifier.ControlModifier)
     assert window.panels.dock("notes").isVisible() and action.isChecked()
     other.trigger()
     # Both share a place, as tabs: the pictures keep their room.
@@ -172,11 +173,11 @@ def test_a_panel_is_in_the_menu_hidden_at_first_and_has_its_key(desk, qtbot):
 
 def test_the_list_of_keys_names_every_entry_of_the_menus_with_a_key(desk, qtbot):
     window = desk()
-    window.add_panel("notes", "My notes", QLabel("a panel"), "Ctrl+K")
+    window.add_panel("notes", "My notes", QLabel("a panel"), "Ctrl+J")
     window.deeds["keys"].trigger()
     dialog = window.findChild(TextDialog)
     texts = [label.text() for label in dialog.findChildren(QLabel)]
-    assert {"F11", "Full screen", "Ctrl+K", "My notes", "Space", "Pause"} <= set(texts)
+    assert {"F11", "Full screen", "Ctrl+J", "My notes", "Space", "Pause"} <= set(texts)
     dialog.close()
     qtbot.waitUntil(lambda: window.findChild(TextDialog) is None)
     window.deeds["about"].trigger()
