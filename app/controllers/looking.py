@@ -62,9 +62,9 @@ class Looking(QObject):
         self._put(KeptLook(look, self._current().mirror))
 
     def use_picture(self, path: str) -> None:
-        """Put a picture file behind the avatar, once it has been read."""
+        """Put a picture file behind the avatar that plays now, once it has been read."""
         self._wanted_picture = path
-        job = Job(_read(path), self)
+        job = Job(_read(self._avatar, path), self)
         job.returned.connect(self._on_picture_read)
         job.failed.connect(self._on_picture_failed)
         job.finished.connect(job.deleteLater)
@@ -148,13 +148,17 @@ class Looking(QObject):
 
     # -- pictures ------------------------------------------------------------------------
 
-    def _on_picture_read(self, path: str) -> None:
+    def _on_picture_read(self, found: tuple[str, str]) -> None:
+        avatar, path = found
         if path != self._wanted_picture:
             return
         if self._told and self._window.message_bar.text == self._told:
             self._window.message_bar.tell("")
-        look = self._current().look
-        self.see(look.changed(background=look.background.changed(kind="picture", picture=path)))
+        kept = self._kept.get(avatar, KeptLook())
+        background = kept.look.background.changed(kind="picture", picture=path)
+        # Another avatar may have come in meanwhile.
+        self._kept[avatar] = KeptLook(kept.look.changed(background=background), kept.mirror)
+        self._put(self._current())
 
     def _on_picture_failed(self, error: CoreError | AppError) -> None:
         """Tell what is wrong with the file; the background before stays."""
@@ -186,12 +190,12 @@ def quality_text(drawn: Drawn) -> str:
     return f"Drawn with {drawn.samples} samples per pixel." if drawn.samples else ""
 
 
-def _read(path: str) -> Generator[Progress, None, str]:
-    """Read a picture file away from the window's thread; return its path if it can be used.
+def _read(avatar: str, path: str) -> Generator[Progress, None, tuple[str, str]]:
+    """Read a picture file away from the window's thread; return what is given if it can be used.
 
     Raises:
         PictureFileError: It cannot.
     """
     yield Progress(0, 1, "Reading the picture")
     load_picture(path)
-    return path
+    return avatar, path

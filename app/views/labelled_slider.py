@@ -1,10 +1,28 @@
 """A slider with its value beside it."""
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSlider, QWidget
 
 #: Numbers of all sliders of a panel end in one line.
 WIDEST = "-180 %"
+
+
+class _WheelLeaver(QObject):
+    """Lets the wheel scroll what is around a control that is not being used."""
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Keep the wheel from a control without the keyboard."""
+        idle = isinstance(watched, QWidget) and not watched.hasFocus()
+        if event.type() == QEvent.Type.Wheel and idle:
+            event.ignore()
+            return True
+        return False
+
+
+def leave_wheel(control: QWidget) -> None:
+    """Let the wheel change a control only after a click on it: panels are scrolled."""
+    control.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+    control.installEventFilter(_WheelLeaver(control))
 
 
 class LabelledSlider(QWidget):
@@ -24,6 +42,7 @@ class LabelledSlider(QWidget):
         super().__init__()
         self._shown, self._unit = least, unit
         self.slider, self._label = QSlider(Qt.Orientation.Horizontal), QLabel()
+        leave_wheel(self.slider)
         self.slider.setRange(least, greatest)
         self.slider.setAccessibleName(name)
         self.slider.setSingleStep(max(1, (greatest - least) // 100))

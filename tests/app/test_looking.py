@@ -13,6 +13,7 @@ from app.look_files import KeptLook, load_looks, looks_file, save_looks
 from app.render.look import AvatarLook, Background
 from app.render.quality import Drawn
 from app.views.avatar_panel import AvatarPanel
+from app.workers.job import Job
 from tests.app.live_fakes import FakeToolbox
 
 
@@ -220,6 +221,34 @@ def test_a_chosen_picture_is_put_behind_the_avatar(desk, toolbox, tmp_path, qtbo
     dialog.close()
     qtbot.waitUntil(lambda: last_look(toolbox).background.kind == "picture")
     assert last_look(toolbox).background.picture == str(path)
+
+
+def test_a_picture_goes_to_the_avatar_for_which_it_was_chosen(desk, tmp_path, qtbot):
+    window, _, looking = desk
+    path = tmp_path / "wall.png"
+    cv2.imwrite(str(path), np.zeros((20, 30, 3), np.uint8))
+    looking.use_picture(str(path))
+    window.avatar_chosen.emit("nora")
+    qtbot.waitUntil(lambda: not looking.findChildren(Job))
+    assert looking.look.background.kind == "studio"
+    window.avatar_chosen.emit("own")
+    assert looking.look.background.picture == str(path)
+
+
+def test_the_wheel_scrolls_the_panel_and_changes_only_what_was_clicked(qtbot):
+    panel = AvatarPanel(("studio", "ring"))
+    qtbot.addWidget(panel)
+    panel.show()
+    wishes = []
+    panel.look_wanted.connect(wishes.append)
+    for control in (panel.turn.slider, panel.lights):
+        turn_wheel(control, control.rect().center(), -120)
+        assert not wishes
+        control.setFocus()
+        qtbot.waitUntil(control.hasFocus)
+        turn_wheel(control, control.rect().center(), -120)
+        assert wishes
+        wishes.clear()
 
 
 def test_a_file_without_a_picture_is_named_and_the_background_stays(desk, tmp_path, qtbot):
