@@ -170,6 +170,21 @@ def test_arrows_say_which_way_to_turn_in_the_mirror(qtbot, setup):
     close(setup)
 
 
+def test_a_small_turn_waits_for_a_large_one(qtbot, setup):
+    page = begin(qtbot, setup)
+    columns = []
+    for turn in ((60.0, 0, 0), (60.0, 20.0, 0), (60.0, 50.0, 0)):
+        setup.tools.turn_deg = turn
+        qtbot.waitUntil(lambda turn=turn: page.live.guide.pitch_deg == pytest.approx(turn[1]),
+                        timeout=5000)  # fmt: skip
+        image, area = page.live.grab().toImage(), page.live.picture_rect()
+        x, top = round(area.center().x()), round(area.top())
+        column = [image.pixelColor(x, y).getRgb()[:3] for y in range(top, top + 80)]
+        columns.append((255, 220, 80) in column)
+    assert columns == [False, False, True]
+    close(setup)
+
+
 def test_advice_is_shown_in_words(qtbot, setup):
     page = begin(qtbot, setup)
     setup.tools.advice = "dark"

@@ -12,8 +12,7 @@ from app.views.setup.guide_view import GuideView
 TITLE = "Choose your camera"
 INSTRUCTION = (
     "Sit as you usually do, with light from the front. When all is well the camera is asked to "
-    "keep exposure, focus and white balance as they are; it may choose by itself again when the "
-    "setup ends."
+    "keep exposure, focus and white balance as they are until the setup ends."
 )
 
 

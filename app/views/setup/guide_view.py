@@ -13,6 +13,8 @@ GHOST, GHOST_EDGE = QColor(255, 255, 255, 190), QColor(0, 0, 0, 90)
 GUIDE, GOOD, TROUBLE = QColor(255, 220, 80), QColor(80, 220, 140), QColor(255, 170, 0)
 #: Turns smaller than this need no arrow.
 LEAST_DEG = 6.0
+#: And beside a larger turn those smaller than this share of it can wait.
+LEAST_SHARE = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,12 +105,15 @@ class GuideView(PictureView):
 
 
 def _paint_turns(painter: QPainter, area: QRectF, guide: Guide) -> None:
+    """Paint an arrow for the largest turn, and for others that are about as large."""
+    largest = max(abs(guide.yaw_deg), abs(guide.pitch_deg), abs(guide.roll_deg))
+    least = max(LEAST_DEG, LEAST_SHARE * largest)
     # In a mirror the user's left is on the left.
-    if abs(guide.yaw_deg) > LEAST_DEG:
+    if abs(guide.yaw_deg) > least:
         _arrow(painter, area, -1.0 if guide.yaw_deg > 0 else 1.0, 0.0)
-    if abs(guide.pitch_deg) > LEAST_DEG:
+    if abs(guide.pitch_deg) > least:
         _arrow(painter, area, 0.0, -1.0 if guide.pitch_deg > 0 else 1.0)
-    if abs(guide.roll_deg) > LEAST_DEG:
+    if abs(guide.roll_deg) > least:
         _bend(painter, area, leftwards=guide.roll_deg > 0)
 
 
