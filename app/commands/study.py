@@ -10,13 +10,13 @@ import cv2
 
 from app.commands.progress import TerminalProgress
 from app.models import Models, load_models
-from app.studies import bu, conditions, iterations, pose, solvers, still
+from app.studies import bu, conditions, iterations, pose, robust, solvers, still
 from app.studies.report import Report
 from core.plain_json import json_text
 from core.records import Progress
 
 DESCRIPTION = (
-    "Repeat an experiment of the papers: pose, iterations, solvers, conditions, still, bu."
+    "Repeat an experiment of the papers: pose, iterations, solvers, conditions, robust, still, bu."
 )
 
 
@@ -41,6 +41,7 @@ STUDIES: dict[str, Study] = {
     "iterations": Study(iterations.HELP, iterations.add_options, iterations.run),
     "solvers": Study(solvers.HELP, solvers.add_options, solvers.run),
     "conditions": Study(conditions.HELP, conditions.add_options, conditions.run),
+    "robust": Study(robust.HELP, robust.add_options, robust.run),
     "still": Study(still.HELP, still.add_options, still.run),
 }
 
