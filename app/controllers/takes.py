@@ -58,7 +58,7 @@ class TakesController(QObject):
         self.record_action.setShortcut(QKeySequence("R"))
         self.record_action.triggered.connect(self.toggle)
         self.pause_action = QAction("Pau&se recording", self._window)
-        self.pause_action.setShortcut(QKeySequence("Shift+R"))
+        self.pause_action.setShortcut(QKeySequence("P"))
         self.pause_action.triggered.connect(self.recording.pause)
         menu.addActions([self.record_action, self.pause_action])
 

@@ -48,7 +48,7 @@ DEEDS = (
     Deed("View", "-"),
     Deed("View", "landmarks", "&Landmarks", "L", True),
     Deed("View", "mesh", "Face &mesh", "M", False, "The fitted face as a wire frame"),
-    Deed("View", "points", "A&ppearance points", "P", False, "What the trained regressor looks at"),
+    Deed("View", "points", "&Appearance points", "A", False, "What the trained regressor looks at"),
     Deed("View", "axes", "Head a&xes", "X", False),
     Deed("View", "bars", "&Bars of coefficients", "B", False, "Over the avatar's picture"),
     Deed("View", "trace", "&Error trace", "E", False, "How sure the tracker was of late"),

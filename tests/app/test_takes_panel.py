@@ -6,6 +6,7 @@ import time
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QAction
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog, QMessageBox
 
@@ -109,12 +110,21 @@ def test_a_key_records_and_ends_and_it_is_always_to_be_seen(open_takes):
     )
 
 
+def test_no_two_actions_of_the_window_share_a_key(open_takes):
+    desk = open_takes()
+    keys = [
+        key.toString() for action in desk.window.findChildren(QAction) for key in action.shortcuts()
+    ]
+    assert len(keys) > 30 and {key for key in keys if keys.count(key) > 1} == set()
+
+
 def test_what_happens_in_a_pause_is_not_in_the_take(open_takes):
     desk = open_takes()
     desk.live()
     desk.click(desk.panel.record.record_button)
     desk.until(lambda: desk.takes.recording.seconds > 0.05)
-    QTest.keyClick(desk.window, Qt.Key.Key_R, Qt.KeyboardModifier.ShiftModifier)
+    desk.window.activateWindow()
+    QTest.keyClick(desk.window, Qt.Key.Key_P)
     desk.until(lambda: "paused" in desk.takes.badge.shown)
     before_s = desk.takes.recording.seconds
     frames = len(desk.toolbox.wishes)

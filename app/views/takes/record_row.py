@@ -30,7 +30,7 @@ class RecordRow(QWidget):
         self.time_label = QLabel()
         self.time_label.setAccessibleName("Recorded time")
         self.record_button.setToolTip("Record what the avatar does, or end the recording (R)")
-        self.pause_button.setToolTip("Leave out what follows, or go on (Shift+R)")
+        self.pause_button.setToolTip("Leave out what follows, or go on (P)")
         row = QHBoxLayout()
         row.addWidget(self.record_button, stretch=1)
         row.addWidget(self.pause_button, stretch=1)
