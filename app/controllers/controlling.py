@@ -14,6 +14,7 @@ from app.views.control.response_model import Live
 from app.views.live_window import LiveWindow
 from core.drive_presets import KEYS
 from core.drive_settings import DriveSettings
+from core.records import FloatArray
 from core.response import SHOWN, learn_full
 
 #: Ten pictures of the live values per second.
@@ -72,7 +73,10 @@ class Controlling(QObject):
         panel.opened.connect(self._on_opened)
         panel.feel.recentre_wanted.connect(self.recentre)
         panel.feel.uncentre_wanted.connect(self._on_uncentre_wanted)
-        panel.responses.full_wanted.connect(self._on_full_wanted)
+        panel.responses.full_wanted.connect(lambda rows: self._make_full(rows, self._drive.now))
+        panel.responses.range_wanted.connect(
+            lambda rows: self._make_full(rows, self._drive.seen[:, 1])
+        )
         panel.responses.forget_wanted.connect(self._drive.forget_seen)
         panel.keys.pressed.connect(self._drive.press)
         panel.keys.released.connect(self._drive.release)
@@ -130,10 +134,11 @@ class Controlling(QObject):
         self._drive.put_centre(None)
         self._keep_soon()
 
-    def _on_full_wanted(self, rows: list[int] | None) -> None:
+    def _make_full(self, rows: list[int] | None, face: FloatArray) -> None:
+        """Let a face (B,) count as 100 %: some coefficients of it, or all that it shows."""
         settings = before = self._drive.settings
         for row in [None] if rows is None else rows:
-            settings = learn_full(settings, self._drive.now, row)
+            settings = learn_full(settings, face, row)
         if not self._drive.sees_face:
             self._window.message_bar.tell(NO_FACE)
         elif settings == before:

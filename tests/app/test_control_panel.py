@@ -265,6 +265,17 @@ def test_the_face_you_make_becomes_full_and_that_can_be_undone(desk):
     assert desk.solve(**made).expression[index("jawOpen")] == pytest.approx(0.5, abs=0.02)
 
 
+def test_the_greatest_value_seen_becomes_full(desk):
+    page = desk.panel.responses
+    desk.solve(1.0, expression=face(jawOpen=0.7, mouthPucker=0.5))
+    desk.solve(1.0)
+    page.range_button.click()
+    responses = desk.drive.settings.responses
+    assert responses[index("jawOpen")].high == pytest.approx(0.7, abs=0.02)
+    assert responses[index("mouthPucker")].high == pytest.approx(0.5, abs=0.02)
+    assert responses[index("browDownLeft")].high == 1.0
+
+
 def test_only_the_selected_coefficients_become_full_or_usual(desk):
     page = desk.panel.responses
     show_page(desk, page)

@@ -27,6 +27,7 @@ class ResponsePage(QWidget):
 
     changed = Signal(object, str)  # DriveSettings, what was changed
     full_wanted = Signal(object)  # list of indices, or None for all that the face shows
+    range_wanted = Signal(object)  # the same, for the greatest value that was seen
     forget_wanted = Signal()
 
     def __init__(self) -> None:
@@ -37,6 +38,7 @@ class ResponsePage(QWidget):
         self.full_button = QPushButton("S&elected as 100 %")
         self.reset_button = QPushButton("&Reset selected")
         self.reset_all_button = QPushButton("Reset all")
+        self.range_button = QPushButton("Right &marks are 100 %")
         self.forget_button = QPushButton("For&get marks")
         self._build_table()
         self._build()
@@ -102,6 +104,8 @@ class ResponsePage(QWidget):
             (self.full_button, "What is tracked now becomes 100 % of the selected coefficients"),
             (self.reset_button, "Gain, range and offset of the selected coefficients as usual"),
             (self.reset_all_button, "Gain, range and offset of all coefficients as usual"),
+            (self.range_button, "The greatest value seen becomes 100 %: of the selected "
+             "coefficients, or of all if none is selected. Talk and make faces first"),
             (self.forget_button, "Begin anew with the marks of the least and greatest value"),
         ):  # fmt: skip
             button.setToolTip(tip)
@@ -111,7 +115,8 @@ class ResponsePage(QWidget):
         grid.addWidget(self.full_button, 0, 1)
         grid.addWidget(self.reset_button, 1, 0)
         grid.addWidget(self.reset_all_button, 1, 1)
-        grid.addWidget(self.forget_button, 2, 0)
+        grid.addWidget(self.range_button, 2, 0)
+        grid.addWidget(self.forget_button, 2, 1)
         top = QGridLayout()
         top.addWidget(label, 0, 0)
         top.addWidget(self.part, 0, 1)
@@ -131,6 +136,7 @@ class ResponsePage(QWidget):
         self.reset_all_button.clicked.connect(
             lambda: self._reset(list(range(len(EXPRESSION_NAMES))), "all")
         )
+        self.range_button.clicked.connect(lambda: self.range_wanted.emit(self.selected or None))
         self.forget_button.clicked.connect(self.forget_wanted)
         self.table.selectionModel().selectionChanged.connect(self._show_selection)
         self._show_selection()
