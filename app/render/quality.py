@@ -34,8 +34,8 @@ class Drawn:
 
 
 #: From the best down, where a graphics card averages samples, and where the processor draws.
-ON_CARD = (Quality(), Quality(1.0, 2), Quality(1.0, 0), Quality(0.75, 0), Quality(0.5, 0))
-IN_SOFTWARE = (Quality(), Quality(0.8), Quality(0.65), Quality(0.5))
+ON_CARD = (Quality(), Quality(1.0, 2), Quality(1.0, 0), Quality(0.75, 0))
+IN_SOFTWARE = (Quality(), Quality(0.8), Quality(0.65))
 
 
 class Ladder:
