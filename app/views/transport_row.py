@@ -1,16 +1,17 @@
 """The buttons below the pictures for what can be paused and moved: videos and the performer."""
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QEvent, Qt, Signal
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import (
     QComboBox,
     QHBoxLayout,
     QLabel,
     QSlider,
-    QStyle,
     QToolButton,
     QWidget,
 )
+
+from app.views.takes.icons import sign
 
 
 class TransportRow(QWidget):
@@ -36,30 +37,40 @@ class TransportRow(QWidget):
         self.time.setAccessibleName("Time")
         self.speed.setAccessibleName("Speed")
         self.speed.setToolTip("Speed")
-        icons = (
-            QStyle.StandardPixmap.SP_MediaSkipBackward,
-            QStyle.StandardPixmap.SP_MediaPause,
-            QStyle.StandardPixmap.SP_MediaSkipForward,
-        )
+        self._actions = actions
         row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
         row.setSpacing(4)
-        for action, icon in zip(actions, (*icons, None), strict=True):
+        for action in actions:
+            action.setIconVisibleInMenu(False)
             button = QToolButton()
             button.setDefaultAction(action)
             button.setAutoRaise(True)
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-            if icon is not None:
-                action.setIcon(self.style().standardIcon(icon))
             row.addWidget(button)
         row.addWidget(self.slider, stretch=1)
         row.addWidget(self.time)
         row.addWidget(self.speed)
+        actions[1].toggled.connect(self._draw_signs)
+        self._draw_signs()
         self.slider.valueChanged.connect(self.position_wanted)
         self.speed.activated.connect(
             lambda place: self.speed_wanted.emit(self.speed.itemData(place))
         )
         self.hide()
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Take on another theme."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange:
+            self._draw_signs()
+
+    def _draw_signs(self) -> None:
+        back, pause, forth, _ = self._actions
+        paused = pause.isChecked()
+        for action, name in ((back, "back"), (pause, "play" if paused else "pause")):
+            action.setIcon(sign(name, self))
+        forth.setIcon(sign("forth", self))
 
     def show_speeds(self, speeds: tuple[float, ...]) -> None:
         """List the speeds; the usual one is chosen."""

@@ -68,6 +68,7 @@ class Soak:
         self._looking.timeout.connect(self._look)
         self._switching.timeout.connect(self._switch)
         begin(self.window, self.controller, source, profile)
+        self.window.closing.connect(self._looking.stop)
         self._wait = QTimer()
         self._wait.timeout.connect(lambda: self._begin(minutes))
         self._wait.start(100)
