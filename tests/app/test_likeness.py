@@ -232,6 +232,10 @@ def test_without_a_picture_of_the_face_there_is_no_likeness(model, sessions):
     )  # fmt: skip
     blind = Pictures(good.images, good.landmarks, nobody, good.camera, good.user)
     assert done(make_likeness(model, blind, MAPS)) is None
+    # Pictures that the camera clipped all over show no colour.
+    white = [np.full_like(image, 255) for image in good.images]
+    clipped = Pictures(white, good.landmarks, good.shapes, good.camera, good.user)
+    assert done(make_likeness(model, clipped, MAPS)) is None
 
 
 @pytest.mark.gl

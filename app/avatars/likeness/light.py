@@ -61,20 +61,7 @@ def room_light(views: Sequence[View], plain: BoolArray) -> RoomLight:
         views: What the pictures show.
         plain: (X,) texels of skin without lips, brows, lids and hair.
     """
-    rng = np.random.default_rng(1)
-    numbers, lights, bases, weights = [], [], [], []
-    for number, view in enumerate(views):
-        good = np.flatnonzero(plain & (view.weight > 0.3))
-        if len(good) > _SAMPLES:
-            good = rng.choice(good, _SAMPLES, replace=False)
-        numbers.append(np.full(len(good), number, np.int32))
-        lights.append(view.light[good])
-        bases.append(basis(view.normals[good]))
-        weights.append(view.weight[good])
-    numbered = np.concatenate(numbers)
-    light = np.concatenate(lights).astype(float)
-    turned = np.concatenate(bases).astype(float)
-    base = np.concatenate(weights).astype(float)
+    numbered, light, turned, base = _samples(views, plain)
     skin = np.median(light, axis=0)
     gains = np.ones((len(views), 3))
     harmonics = np.zeros((9, 3))
@@ -90,6 +77,27 @@ def room_light(views: Sequence[View], plain: BoolArray) -> RoomLight:
         robust = base / (1 + off**2) ** 2
     mean = np.average(shade, axis=0, weights=robust)
     return RoomLight(harmonics / mean, gains, skin * mean, np.ones(3))
+
+
+def _samples(
+    views: Sequence[View], plain: BoolArray
+) -> tuple[I32, FloatArray, FloatArray, FloatArray]:
+    """Return picture (n,), light (n, 3), harmonics (n, 9) and weight (n,) of some texels."""
+    rng = np.random.default_rng(1)
+    numbers, lights, bases, weights = [], [], [], []
+    for number, view in enumerate(views):
+        good = np.flatnonzero(plain & (view.weight > 0.3))
+        if len(good) > _SAMPLES:
+            good = rng.choice(good, _SAMPLES, replace=False)
+        numbers.append(np.full(len(good), number, np.int32))
+        lights.append(view.light[good])
+        bases.append(basis(view.normals[good]))
+        weights.append(view.weight[good])
+    numbered = np.concatenate(numbers)
+    light = np.concatenate(lights).astype(float)
+    turned = np.concatenate(bases).astype(float)
+    base = np.concatenate(weights).astype(float)
+    return numbered, light, turned, base
 
 
 def _gains(ratio: FloatArray, number: I32, weight: FloatArray, count: int) -> FloatArray:

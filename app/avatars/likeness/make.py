@@ -27,12 +27,14 @@ from app.avatars.likeness.views import Posed, View, view_of
 from app.avatars.looks import Looks
 from app.render.scene import DEFAULTS, studio_lights
 from core.face_model import FaceModel
-from core.records import F32, U8, FloatArray, Progress
+from core.records import F32, U8, BoolArray, FloatArray, Progress
 
 #: Pictures whose hair and eyes are looked at: the most frontal ones.
 _FRONTAL = 4
 #: Vertices with so little weight are not shown; the width over which they fade in.
 _LEAST_SHARE, _SHARE_FADE = 0.12, 0.3
+#: With less of the face's plain skin seen, nothing is made.
+_LEAST_PLAIN = 0.05
 #: Share of painted skin's oiliness that skin from pictures lacks.
 _GLOSS_OFF = 0.4
 
@@ -61,17 +63,26 @@ def make_likeness(
         yield Progress(done, len(rows) + 3, label)
         heads.append(pictures.head(model, row))
         views.append(view_of(pictures.images[row], heads[-1], pictures.camera, ground.atlas, model))
+    if not any(_enough(ground, view.weight > 0.3) for view in views):
+        return None
     room = room_light(views, ground.plain)
     frontal = _frontal(pictures, chosen.skin[:_FRONTAL], heads)
     room = replace(room, white=_white(ground, room, frontal))
     yield Progress(len(rows), len(rows) + 3, label)
     own, share = _own_albedo(ground, views, room, len(chosen.skin))
+    if not _enough(ground, share > 0.5):
+        return None
     looks = _looks(ground, frontal, room, own, share)
     yield Progress(len(rows) + 1, len(rows) + 3, label)
     painted = skin_texture(skin_maps, looks, ground.atlas.size_px)
     skin = _texture(ground, own, share, painted)
     yield Progress(len(rows) + 2, len(rows) + 3, label)
     return judged(ground, pictures, chosen, room, Skins(skin, painted, share), looks)
+
+
+def _enough(ground: Ground, seen: BoolArray) -> bool:
+    """Return whether a good part of the face's plain skin is among texels (X,) that are seen."""
+    return bool((ground.plain & seen).sum() > _LEAST_PLAIN * ground.plain.sum())
 
 
 def _white(ground: Ground, room: RoomLight, seen: Frontal) -> FloatArray:
