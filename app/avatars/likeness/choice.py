@@ -50,7 +50,7 @@ def choose(images: Sequence[U8], landmarks: Sequence[Landmarks2D], shapes: Setup
     moved[:, _BLINK] = 0
     motion = moved.sum(axis=1)
     sharp = np.array([sharpness(image) for image in images])
-    sharp = sharp / np.median(sharp[usable])
+    sharp = sharp / max(float(np.median(sharp[usable])), 1e-6)
     cost = 9.0 * motion + 14.0 * np.maximum(1 - sharp, 0) + 25.0 * shut
     cost += 0.4 * np.abs(angles[:, 2])
     cost += 4.0 * shapes.rms_px / max(float(np.median(shapes.rms_px[usable])), 1e-6)
