@@ -17,8 +17,8 @@ _CLOSED = 0.9
 #: Limits of the levels: open is no less than lids tremble, no more than the second number, and
 #: closed is this much above it.
 LEAST_OPEN, MOST_OPEN, LEAST_SPAN = 0.03, 0.4, 0.3
-#: Levels are learned from so many values, a bin each.
-_BINS = 64
+#: Levels are learned from so many values, a bin each, and looked for so often.
+_BINS, _EVERY_S = 64, 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,7 +99,7 @@ class LearnedLevels:
 
     def __init__(self, settings: LevelSettings | None = None) -> None:
         self._settings = settings or LevelSettings()
-        self._seen_s = np.zeros((2, _BINS))
+        self._seen_s, self._waited_s = np.zeros((2, _BINS)), 0.0
         self._open, self._closed = np.zeros(2), np.ones(2)
         self.levels = sound_levels(self._open, self._closed)
 
@@ -116,16 +116,23 @@ class LearnedLevels:
             blinks: Of the right, then the left eye.
             step_s: Time that they stand for.
         """
-        settings = self._settings
-        self._seen_s *= np.exp(-step_s / settings.memory_s)
         for eye in range(2):
             self._seen_s[eye, min(int(blinks[eye] * _BINS), _BINS - 1)] += step_s
+        self._waited_s += step_s
+        if self._waited_s >= _EVERY_S:
+            self._follow(self._waited_s)
+            self._waited_s = 0.0
+        return self.levels
+
+    def _follow(self, step_s: float) -> None:
+        """Move the levels towards those in what was seen, of which some is forgotten."""
+        settings = self._settings
+        self._seen_s *= np.exp(-step_s / settings.memory_s)
         found = [self._found(eye) for eye in range(2)]
         share = -np.expm1(-step_s / settings.follow_s)
         self._open += share * (np.array([one[0] for one in found]) - self._open)
         self._closed += share * (np.array([one[1] for one in found]) - self._closed)
         self.levels = sound_levels(self._open, self._closed)
-        return self.levels
 
     def _found(self, eye: int) -> tuple[float, float]:
         """Return the levels of an eye in what was seen; 0 and 1 as long as that is too little."""
