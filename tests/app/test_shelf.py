@@ -14,7 +14,7 @@ from app.workbook import Workbook
 from core.store import load
 from tests.app.test_editor import film, folder  # noqa: F401  fixtures
 
-RGB = np.full((48, 64, 3), 90, np.uint8)
+RGB = np.full((480, 640, 3), 90, np.uint8)
 
 
 def nothing(rgb):
