@@ -57,7 +57,7 @@ def pictures_taken(bot, setup):
 def point_dragged(bot, setup):
     pictures_taken(bot, setup)
     setup.controller.show("check")
-    bot.waitUntil(lambda: setup.controller.editor is not None, timeout=20000)
+    bot.waitUntil(lambda: setup.controller.editor is not None, timeout=120_000)
     canvas = setup.controller.editor.parent().canvas
     x, y = canvas.scene.points_px[0]
     point = canvas.zoom.to_widget(float(x), float(y)).toPoint()
