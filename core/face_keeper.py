@@ -161,9 +161,9 @@ class FaceKeeper:
     def judged(self, frame: Frame, found: Alignment) -> Alignment | None:
         """Return what was found, covered landmarks with little confidence; None: it is hidden."""
         seen = self._watch.judge(frame.rgb, found.mesh_px, found.rotation, frame.time_s)
-        if seen.hidden:
-            self._covered_s = frame.time_s
         if seen.hidden or not self._is_same(seen, found, frame.time_s):
+            # Somebody is in the way: until that ends, nobody who comes up is trusted.
+            self._covered_s = frame.time_s
             return None
         self._watch.accept(seen)
         self._kept_s, self._cover = frame.time_s, seen.cover
