@@ -177,6 +177,7 @@ class Controlling(QObject):
         self._drive.use(kept.settings)
         self._drive.put_centre(kept.centre)
         self._show_settings()
+        self.panel.feel.show_centre(kept.centre is not None)
         self.panel.presets.show_undo("")
         if kept.notes:
             self._window.message_bar.tell("; ".join(kept.notes))
