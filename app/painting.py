@@ -165,12 +165,22 @@ class LiveWish:
 class LivePainter:
     """Draws what the live view wishes; used in the render thread, whose renderer it is given."""
 
-    def __init__(self, renderer: Renderer, model: FaceModel, size_px: tuple[int, int]) -> None:
-        """Prepare pictures of a size (width, height); avatars are made when first wished for."""
+    def __init__(
+        self, renderer: Renderer, model: FaceModel, size_px: tuple[int, int],
+        ladder: Ladder | None = None,
+    ) -> None:  # fmt: skip
+        """Prepare to draw; avatars are made when first wished for.
+
+        Args:
+            renderer: Of the calling thread.
+            model: The shipped face model.
+            size_px: (width, height) of the pictures.
+            ladder: How well they are drawn; without it as well as can be done in time.
+        """
         self._renderer, self._drawer = renderer, Drawer(renderer)
         self._model, self._size_px = model, size_px
         self._asked_samples = 0
-        self._ladder = Ladder(IN_SOFTWARE if renderer.software else ON_CARD)
+        self._ladder = ladder or Ladder(IN_SOFTWARE if renderer.software else ON_CARD)
         self._pictures = PictureShelf()
         self._cast: Cast | None = None
         self._avatars: dict[tuple[str, UserBlendshapes | None, int], Avatar] = {}

@@ -10,6 +10,7 @@ from app.painting import Cast, LivePainter, LiveWish
 from app.priority import stepping_back
 from app.profiles import profile_folder
 from app.render.look import AvatarLook
+from app.render.quality import Ladder, Quality
 from app.render.renderer import Renderer
 from app.resources import asset
 from app.takes.exporting import FilmWish, export_film
@@ -86,7 +87,8 @@ class TakeWorkshop:
         cast = Cast(avatar, self.user(take.facts.profile))
         renderer = Renderer()
         try:
-            painter = LivePainter(renderer, model, wish.size_px)
+            # There is time: all frames are drawn as well as can be.
+            painter = LivePainter(renderer, model, wish.size_px, Ladder((Quality(),)))
 
             def draw(moment: Moment, frame: Frame | None) -> U8:
                 seen = LiveWish(cast, moment.driven, frame=frame, solved=moment.solved, look=look)
