@@ -100,8 +100,8 @@ class CameraController(QObject):
         self._cards, self._chosen = {}, ""
         self._hold.want(hold)
         self._list()
-        cameras = [choice.key for choice in self._tools.cameras()]
-        self._choose(source or (cameras[0] if cameras else ""))
+        if source:
+            self._choose(source)
         self._timer.start(LOOK_EVERY_MS)
 
     def stop(self) -> None:
@@ -156,9 +156,8 @@ class CameraController(QObject):
 
     def _on_chosen(self, key: str) -> None:
         self._by_user = True
-        card = self._cards.get(key)
         # One that could not be opened beside the others may be opened alone.
-        self._alone = card is not None and bool(card.trouble)
+        self._alone = self._in_trouble(key)
         self._choose(key)
 
     def _choose(self, key: str) -> None:
@@ -205,6 +204,13 @@ class CameraController(QObject):
             self._set_card(key, self._facts(key, preview), BLANK if blank else "")
         if key == self._chosen:
             self._show_chosen(key, preview, blank)
+        elif not self._by_user and not preview.blank and self._in_trouble(self._chosen):
+            # The first one does not work, and the user has not chosen: this one does.
+            self._choose(key)
+
+    def _in_trouble(self, key: str) -> bool:
+        card = self._cards.get(key)
+        return card is not None and bool(card.trouble)
 
     def _facts(self, key: str, preview: Preview) -> str:
         """Return size and speed; while the speed is measured anew the one before stands."""
@@ -245,15 +251,6 @@ class CameraController(QObject):
         self._page.show_verdict("")
         self._hold.forget()
         self._set_live(False)
-        if not self._by_user:
-            self._choose_working()
-
-    def _choose_working(self) -> None:
-        """Choose another camera where the first does not work and the user has not chosen."""
-        for key in self._previews.open_keys:
-            if self._counts.get(key) and key != self._chosen:
-                self._choose(key)
-                return
 
 
 def is_camera(key: str) -> bool:

@@ -117,10 +117,18 @@ def test_a_camera_that_cannot_run_beside_others_is_opened_alone(qtbot, setup):
 
 
 def test_a_camera_without_a_picture_says_so(qtbot, setup):
-    setup.tools.flat = {CAMERA}
+    setup.tools.flat = {CAMERA, OTHER_CAMERA}
     page = enter(qtbot, setup)
     qtbot.waitUntil(lambda: card(page, CAMERA).trouble == BLANK, timeout=5000)
     assert page.live.guide.advice == BLANK
+    qtbot.waitUntil(lambda: card(page, OTHER_CAMERA).trouble == BLANK, timeout=5000)
+    assert setup.controller.camera.chosen == CAMERA
+
+
+def test_a_camera_with_a_picture_is_preferred_to_one_without(qtbot, setup):
+    setup.tools.flat = {CAMERA}
+    enter(qtbot, setup)
+    qtbot.waitUntil(lambda: setup.controller.camera.chosen == OTHER_CAMERA, timeout=5000)
 
 
 def test_a_camera_that_is_plugged_in_appears(qtbot, setup):
