@@ -20,6 +20,7 @@ from core.pipeline import (
     build,
     gray_from_rgb,
     known_focal,
+    stage_shares,
     usable_pictures,
 )
 from core.records import SetupImages
@@ -204,3 +205,22 @@ def test_the_report_is_plain_and_names_the_pictures(setup, given):
     errors = np.array(report["picture_rms_px_at_640"])
     assert report["shape_rms_px_at_640"] == pytest.approx(np.sqrt(np.mean(errors**2)))
     assert report["held_out"]["pictures"] == len(range(2, N_PICTURES - 1, 5))
+
+
+def test_the_report_tells_the_error_after_each_stage_and_what_will_be_weak(given):
+    report = given[0].report
+    shown = [one.plot for one in given[1] if "stage" in one.plot]
+    for key, told in (report["held_out"]["stages"] | report["stages"]).items():
+        assert told == [plot[key] for plot in shown if key in plot]
+        assert len(told) == 1 + SMALL.n_stages and told[-1] < told[0]
+    assert set(report["stages"]) == {"all_px"}
+    weak = {one["name"] for one in report["weak_expressions"]}
+    # Nothing was prompted, so nothing that landmarks tell is missing for want of a prompt alone.
+    assert "cheekPuff" in weak
+
+
+def test_the_stages_and_their_shares_are_those_of_the_work():
+    for known in (False, True):
+        shares = stage_shares(known)
+        assert list(shares) == list(LABELS.values())[known:]
+        assert sum(shares.values()) == pytest.approx(1)
