@@ -53,9 +53,9 @@ class TakeWork(QObject):
 
     def ask_to_solve(self, take: Take) -> None:
         """Ask how a take is to be solved again, then do it."""
-        profiles = [self._window.profiles.itemText(n) for n in range(self._window.profiles.count())]
+        profiles = [key for key in self._window.profiles.keys if key]
         dialog = SolveDialog(
-            take.name, profiles[1:], self._controller.wanted.profile, MODE_TEXTS, self._window
+            take.name, profiles, self._controller.wanted.profile, MODE_TEXTS, self._window
         )
         dialog.wanted.connect(lambda profile, mode: self.solve(take, profile, mode))
         dialog.finished.connect(dialog.deleteLater)

@@ -17,7 +17,7 @@ from app.takes.library import Take, TakeError, delete, name_trouble, renamed
 from app.takes.recorder import Ending
 from app.views.live_window import LiveWindow
 from app.views.takes.name_dialog import NameDialog
-from app.views.takes.record_row import TakeBadge, clock
+from app.views.takes.record_row import RecordingDot, TakeBadge, clock
 from app.views.takes.takes_panel import TakesPanel
 
 PANEL = "takes"
@@ -40,6 +40,7 @@ class TakesController(QObject):
         self._controller, self._window = controller, window
         tools = tools or TakeWorkshop()
         self.panel, self.badge = TakesPanel(), TakeBadge()
+        self.dot = RecordingDot(window.source_pane)
         self.shelf = TakeShelf(self)
         self.recording = RecordingDesk(controller, self)
         self.playing = PlayingDesk(controller, self.panel.player, tools.user, self)
@@ -94,6 +95,7 @@ class TakesController(QObject):
     def _show_state(self) -> None:
         state, seconds = self.recording.state, self.recording.seconds
         self.panel.record.show_state(state, seconds)
+        self.dot.show_state(state, seconds)
         self.record_action.setText("&Record a take" if state == "off" else "Stop &recording")
         self.pause_action.setEnabled(state in ("recording", "paused"))
         self.pause_action.setText("Go on recording" if state == "paused" else "Pau&se recording")

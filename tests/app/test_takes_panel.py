@@ -18,6 +18,7 @@ from app.takes.library import HEADER, part_folder, takes
 from app.takes.rows import read_columns
 from app.views.takes.export_dialog import ExportDialog, ExportWish
 from app.views.takes.name_dialog import NameDialog
+from app.views.takes.player_box import fine_clock
 from app.views.takes.record_row import clock
 from app.views.takes.solve_dialog import SolveDialog
 from app.workers.job import Job
@@ -95,6 +96,7 @@ def test_a_key_records_and_ends_and_it_is_always_to_be_seen(open_takes):
     QTest.keyClick(desk.window, Qt.Key.Key_R)
     desk.until(lambda: desk.takes.badge.shown.startswith("● Recording 0:00"))
     assert desk.panel.record.record_button.text() == "&Stop"
+    assert desk.takes.dot.isVisible() and desk.takes.dot.text().startswith("● 0:0")
     desk.window.panels.dock("takes").hide()
     assert desk.takes.badge.isVisible()
     desk.until(lambda: desk.takes.recording.seconds > 0.1)
@@ -429,6 +431,7 @@ def test_a_film_shows_the_chosen_avatar_in_the_chosen_way(open_takes, tmp_path):
 
 def test_times_are_told_as_a_clock():
     assert [clock(s) for s in (0.4, 61, 3661)] == ["0:00", "1:01", "1:01:01"]
+    assert [fine_clock(s) for s in (0.4, 61.25, 12 / 30)] == ["0:00.4", "1:01.2", "0:00.4"]
 
 
 def test_levels_survive_a_video():

@@ -62,7 +62,7 @@ class PlayerBox(QWidget):
         """Show where it is, and whether it goes on."""
         self.slider.show_position(position_s)
         kept_s = self._range_s[1] - self._range_s[0]
-        text = f"{clock(position_s)}.{int(10 * position_s) % 10} of {clock(self._length_s)}"
+        text = f"{fine_clock(position_s)} of {fine_clock(self._length_s)}"
         if self.whole_button.isEnabled():
             text += f", {kept_s:.1f} s kept"
         self.time_label.setText(text)
@@ -103,3 +103,8 @@ class PlayerBox(QWidget):
         self.loop_box.toggled.connect(self.loop_wanted)
         self.live_button.clicked.connect(self.live_wanted)
         self.whole_button.clicked.connect(lambda: self.wished.emit("whole"))
+
+
+def fine_clock(seconds: float) -> str:
+    """Return a time with tenths of a second."""
+    return f"{clock(seconds)}.{int(10 * seconds + 1e-6) % 10}"

@@ -1,6 +1,6 @@
 """Record, pause, and how long it has been going on."""
 
-from PySide6.QtCore import Signal
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import (
     QCheckBox,
@@ -85,6 +85,32 @@ class TakeBadge(QLabel):
         self.setMargin(3)
         self.setText(f"● {text}" if recording else text)
         self.setVisible(bool(text))
+
+
+class RecordingDot(QLabel):
+    """A red dot with the time over a corner of the picture, also where there is no status line."""
+
+    def __init__(self, pane: QWidget) -> None:
+        """Lie over a picture."""
+        super().__init__(pane)
+        self.setAccessibleName("Recording")
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        colors = QPalette(self.palette())
+        colors.setColor(QPalette.ColorRole.Window, QColor(20, 22, 24))
+        colors.setColor(QPalette.ColorRole.WindowText, RECORD_COLOR.lighter(125))
+        self.setPalette(colors)
+        self.setAutoFillBackground(True)
+        self.setMargin(5)
+        self.hide()
+
+    def show_state(self, state: str, seconds: float) -> None:
+        """Show "recording" or "paused" with the time; nothing in other states."""
+        signs = {"recording": "●", "paused": "❚❚"}
+        self.setVisible(state in signs)
+        self.setText(f"{signs.get(state, '')} {clock(seconds)}")
+        self.adjustSize()
+        self.move(8, 8)
+        self.raise_()
 
 
 def clock(seconds: float) -> str:
