@@ -17,6 +17,8 @@ from core.draft import Draft, DraftPicture
 from core.extra_shots import as_seen
 from core.face_model import FaceModel
 from core.generations import HEADER_NAME
+from core.held_out import HeldOutSettings
+from core.held_out_choice import held_out_rows
 from core.landmark_edit import points_of
 from core.landmark_guess import guess_landmarks, placed_kept
 from core.model_fit import LEAST_LANDMARKS, FitSettings, fit_model, trusted_landmarks
@@ -249,8 +251,12 @@ class Workbook:
         standard = np.stack([self.standard(name) for name in names])
         images = SetupImages(tuple(self._images[name] for name in names), names, standard)
         marks = tuple(self._landmarks[name] for name in names)
-        automatic = tuple(self.automatic(name) for name in names)
-        return Pictures(images, marks, (), automatic, self._before())
+        # To look again takes a moment; only the pictures that are tested need it.
+        tested = {names[row] for row in held_out_rows(names, HeldOutSettings().every)}
+        automatic = [
+            self.automatic(name) if name in tested else self._landmarks[name] for name in names
+        ]
+        return Pictures(images, marks, (), tuple(automatic), self._before())
 
     def _before(self) -> Before | None:
         """Return what the last training found; it is where the next one begins."""
