@@ -2,7 +2,6 @@
 
 import os
 import re
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import cv2
 import numpy as np
 
 from app.errors import AppError
+from app.resources import data_folder as data_folder
 from core.generations import HEADER_NAME, ProfileDamagedError, read_generation
 from core.records import U8, SetupImages
 from core.store import IMAGES, Profile, load_pictures
@@ -28,20 +28,6 @@ class ProfileNameError(AppError):
             f"{text!r} is no name for a profile, expected letters, digits, spaces, '-', '_' or '.' "
             "(or a path, which contains a '/')"
         )
-
-
-def data_folder() -> Path:
-    """Return the folder of this user's data; the variable FACEPUPPET_HOME overrides it."""
-    chosen = os.environ.get("FACEPUPPET_HOME")
-    if chosen:
-        return Path(chosen).expanduser()
-    if sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
-    elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Application Support"
-    else:
-        base = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share")
-    return base / "facepuppet"
 
 
 def profile_folder(text: str) -> Path:

@@ -1,5 +1,7 @@
-"""Where the files that the program ships are."""
+"""Where the files that the program ships are, and those of its user."""
 
+import os
+import sys
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parent
@@ -13,6 +15,20 @@ def asset(name: str) -> Path:
 def shader(name: str) -> Path:
     """Return the path of a file under shaders/."""
     return _find("shaders", name)
+
+
+def data_folder() -> Path:
+    """Return the folder of this user's data; the variable FACEPUPPET_HOME overrides it."""
+    chosen = os.environ.get("FACEPUPPET_HOME")
+    if chosen:
+        return Path(chosen).expanduser()
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
+    elif sys.platform == "darwin":
+        base = Path.home() / "Library" / "Application Support"
+    else:
+        base = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share")
+    return base / "facepuppet"
 
 
 def _find(kind: str, name: str) -> Path:

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-from app.profiles import data_folder
+from app.resources import data_folder
 
 VERSION = 1
 

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import gaussian_filter, map_coordinates
 
 from core.camera import unproject
 from core.eye_reader import (
@@ -291,6 +290,9 @@ def repainted(
 
 def _seen_patch(grey: FloatArray, rng: np.random.Generator, settings: EyeTrainSettings) -> F32:
     """Return the levelled patch (P,) of a painted eye as a webcam and an inexact pose show it."""
+    # Slow to load, and who only opens the window never trains.
+    from scipy.ndimage import gaussian_filter, map_coordinates
+
     blurred = gaussian_filter(grey, rng.uniform(0.4, 0.9) / _STEP_MM)
     scale = 1 + settings.scale * rng.normal()
     shift = settings.shift_mm * rng.normal(size=2)

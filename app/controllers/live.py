@@ -42,6 +42,7 @@ from app.controllers.scene import AvatarScene
 from app.controllers.showing import Showing
 from app.controllers.tools import Tools
 from app.errors import AppError
+from app.painting import OWN
 from app.sources import PERFORMER
 from app.views.choice import Choice
 from app.views.live_window import NO_PROFILE, LiveWindow
@@ -110,7 +111,10 @@ class LiveController(QObject):
         self._timer.start(NUMBERS_EVERY_MS)
         if kept.avatar in {avatar.key for avatar in self._tools.avatars()}:
             self.scene.choose(kept.avatar)
-        self._play(_kept_or_first(kept.source, cameras), _kept_or_first(kept.profile, names))
+        profile = _kept_or_first(kept.profile, names)
+        if not (profile and self.scene.avatar == OWN):
+            self.scene.prepare()
+        self._play(_kept_or_first(kept.source, cameras), profile)
 
     def stop(self) -> None:
         """End all threads; the source is closed."""

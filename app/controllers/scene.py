@@ -59,6 +59,11 @@ class AvatarScene(QObject):
         self._last = None
         self._play(user)
 
+    def prepare(self) -> None:
+        """Have the chosen avatar made while the first source is still being opened."""
+        if self._cast is None:
+            self._begin().ask(LiveWish(Cast(self.avatar, None), resting(), look=self._look))
+
     def become(self, user: UserBlendshapes | None) -> None:
         """Go on as somebody else, or who is better known now."""
         if self._cast is not None:
@@ -110,12 +115,17 @@ class AvatarScene(QObject):
 
     def _play(self, user: UserBlendshapes | None) -> None:
         self._cast = Cast(self.avatar, user)
+        self._begin()
+        self._ask_again(self._cast)
+
+    def _begin(self) -> AvatarLoop:
+        """Return the loop, started if there is none."""
         if self._loop is None:
             self._loop = AvatarLoop(self._studio.make_render_thread, self)
             self._loop.posted.connect(self._on_posted)
             self._loop.failed.connect(self._on_failed, Qt.ConnectionType.QueuedConnection)
             self._loop.start()
-        self._ask_again(self._cast)
+        return self._loop
 
     def _ask_again(self, cast: Cast) -> None:
         """Ask for what was last shown, or rest, as it is to look now."""
