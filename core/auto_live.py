@@ -39,7 +39,8 @@ class AutoSettings:
         blend_s: Time in which the difference between both is let go.
         covered: Mean cover of the landmarks from which on the training-free tracker leads, and
             below which the regressor is tried again: it has seen no hands.
-        stranger_s: Time for which the profile's person is waited for while another is there.
+        search_every: Frames between two searches for the profile's person among other faces
+            while somebody else is followed; each costs about 40 ms.
     """
 
     match: MatchSettings = field(default_factory=MatchSettings)
@@ -49,7 +50,7 @@ class AutoSettings:
     unsure_every: int = 5
     blend_s: float = 0.2
     covered: tuple[float, float] = (0.1, 0.03)
-    stranger_s: float = 2.5
+    search_every: int = 45
 
 
 class AutoTracker:
@@ -126,7 +127,25 @@ class AutoTracker:
         landmarks = self._free.looked
         if landmarks is not None and self._is_time_to_try():
             self._try(frame, landmarks, state)
+        if self._match.is_other and self._seen % self._settings.search_every == 0:
+            self._search(frame)
         return state
+
+    def _search(self, frame: Frame) -> None:
+        """Look for the profile's person beside another who is followed."""
+        if self._keeper is None:
+            return
+        for found in self._keeper.others(frame):
+            look = self._trained.begin_at(frame, found.landmarks)
+            misfits = self._trained.misfits(found.landmarks)
+            if look is None or misfits is None or not look.agrees:
+                continue
+            match = ProfileMatch(self._settings.match)
+            match.weigh(look, misfits, 0.0)
+            if match.is_own:
+                self._keeper.forget()
+                self._match, self._trained_leads, self._failed = match, True, 0
+                return
 
     def _covered(self) -> float:
         return 0.0 if self._keeper is None else self._keeper.covered

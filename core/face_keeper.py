@@ -139,6 +139,15 @@ class FaceKeeper:
         found = self._aligner.check(frame.rgb, landmarks_px)
         return None if found is None else self.judged(frame, found)
 
+    def others(self, frame: Frame) -> Iterator[Alignment]:
+        """Yield the faces in a frame beside the one that is followed."""
+        if self._kept is None:
+            return
+        place, size_px = self._kept.region.center_px, _size_px(self._kept)
+        for found in self._aligner.faces(frame.rgb, place):
+            if np.linalg.norm(found.region.center_px - place) > 0.5 * size_px:
+                yield found
+
     def forget(self) -> None:
         """Know no face: another person may be there, after a cut."""
         self._kept, self._kept_s, self._cover = None, -np.inf, np.zeros(N_LANDMARKS)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from core.agreement import Look, Misfits
+from core.arkit import EXPRESSION_NAMES
 from core.auto_live import STRICT, AutoTracker, turned_rad
 from core.camera import camera_for, project
 from core.free_live import FreeSettings, FreeTracker
@@ -18,6 +19,7 @@ from core.geometry import (
 from core.landmark_flow import FlowSettings, LandmarkFollower
 from core.live import LiveTracker, resting_state
 from core.records import Frame, Landmarks2D, Shape3D
+from core.region_ease import REGIONS
 from tests.core.painted_user import painted_user, trained_user
 from tests.core.tracked_faces import shipped_prior
 
@@ -285,3 +287,62 @@ def test_real_trackers_change_over_and_back_without_a_jump():
         np.array([state.rotation_wxyz for state in states[:-1]]),
     )
     assert turns.max() < 0.06
+
+
+class KeeperSpy:
+    """What is told of covered landmarks, and who else is in the picture."""
+
+    def __init__(self):
+        self.covered, self.beside, self.forgotten = 0.0, [], 0
+
+    def others(self, frame):
+        yield from self.beside
+
+    def forget(self):
+        self.forgotten += 1
+
+
+def kept_scene():
+    scene, keeper = Scene(), KeeperSpy()
+    scene.tracker = AutoTracker(scene.trained, scene.free, keeper=keeper)
+    return scene, keeper
+
+
+def test_a_covered_face_is_followed_without_the_regressor_until_it_is_seen_again():
+    scene, keeper = kept_scene()
+    assert scene.modes(10)[-1] == "trained"
+    keeper.covered = 0.3
+    scene.film(1)
+    tries = scene.trained.tries
+    assert set(scene.modes(40)) == {"free"}
+    # A hand that is there is no reason to try; the face stays the profile's.
+    assert scene.trained.tries == tries and scene.free.assumed == TrainedSpy.user
+    keeper.covered = 0.0
+    assert scene.modes(12)[-1] == "trained"
+
+
+def test_the_profiles_person_is_taken_from_among_others():
+    scene, keeper = kept_scene()
+    scene.measured = OTHER
+    assert set(scene.modes(60)) == {"free"}
+    keeper.beside = [Look(LANDMARKS, Shape3D(np.zeros((77, 3)), 1.0, 1.0), 1.0, False)]
+    assert set(scene.modes(60)) == {"free"} and keeper.forgotten == 0
+    scene.free.looked, scene.by_network = None, False
+    scene.measured = OWN
+    assert scene.modes(60)[-1] == "trained" and keeper.forgotten == 1
+
+
+def test_what_is_covered_is_held_and_let_go_over_a_change_of_trackers():
+    scene, keeper = kept_scene()
+    jaw, index = np.zeros(46), EXPRESSION_NAMES.index("jawOpen")
+    jaw[index] = 0.7
+    plain = scene.trained.step
+    scene.trained.step = lambda frame: replace(plain(frame), expression=jaw)
+    scene.film(15)
+    keeper.covered = 0.3
+    region = np.ones(6)
+    region[REGIONS[index]] = 0.05
+    free = scene.free.step
+    scene.free.step = lambda frame: replace(free(frame), expression=1 - jaw, regions=region)
+    shown = [state.expression[index] for state in scene.film(60)]
+    assert shown[:8] == pytest.approx([0.7] * 8) and shown[-1] < 0.15

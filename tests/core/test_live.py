@@ -262,3 +262,42 @@ def test_doubt_soon_after_a_passed_routine_check_is_looked_into_at_once():
     stage = Stage(replace(UNDOUBTED, doubt_spread_mm=0.0, doubt_pause=9))
     stage.film(2)
     assert len(stage.checked) == 1
+
+
+def test_a_regressor_that_slipped_by_a_twelfth_of_the_face_is_noticed():
+    stage = Stage(replace(LiveSettings(), check_every=10))
+    stage.film(3)
+    size_px = np.ptp(project(stage.camera, stage.face[:N_INTERNAL]), axis=0).max()
+    way_mm = 0.08 * size_px * 600 / stage.camera.focal_px
+    # The picture stays, the aligner sees the face elsewhere: the regressor has slipped.
+    stage.seen = stage.user.shape((way_mm, 0, 600))
+    before = len(stage.followed)
+    stage.film(10)
+    assert len(stage.followed) > before
+
+
+def test_a_sudden_change_of_the_picture_is_looked_at_at_once():
+    stage = Stage(replace(UNDOUBTED, doubt=1.3))
+    stage.film(30)
+    assert not stage.checked
+    state = stage.film()
+    hidden = stage.user.frame(stage.face, stage.time_s + 1 / 30)
+    middle = project(stage.camera, stage.face[:N_INTERNAL]).mean(axis=0).astype(int)
+    gray = hidden.gray.copy()
+    gray[middle[1] : middle[1] + 60, middle[0] - 60 : middle[0] + 60] //= 3
+    stage.tracker.step(replace(hidden, gray=gray))
+    assert len(stage.checked) == 1 and not state.lost
+
+
+def test_after_a_gap_of_minutes_the_face_is_looked_for_anew():
+    stage = Stage()
+    stage.film(5)
+    assert len(stage.followed) == 1
+    stage.time_s += 300.0
+    stage.put(stage.user.shape((40, 10, 620), (0.2, 0, 0), jawOpen=0.6))
+    state = stage.film()
+    assert stage.followed[1:] == [None]
+    assert not state.lost and stage.miss_px(state) < 1.0
+    fresh = Stage()
+    fresh.put(stage.face)
+    assert state.expression == pytest.approx(fresh.film().expression, abs=1e-9)
