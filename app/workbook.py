@@ -9,10 +9,7 @@ import numpy as np
 from app.profiles import decoded, encoded, load_setup_images, pictures_kept
 from app.resizing import at_size, thumbnail, toned
 from app.setup_steps import Pictures, keep, make_profile
-from core.blendshapes import user_blendshapes
-from core.blind_pictures import rows_of_fit
 from core.calibration import Before
-from core.camera import camera_for
 from core.draft import Draft, DraftPicture
 from core.extra_shots import as_seen
 from core.face_model import FaceModel
@@ -20,25 +17,19 @@ from core.generations import HEADER_NAME
 from core.held_out import HeldOutSettings
 from core.held_out_choice import held_out_rows
 from core.landmark_edit import points_of
-from core.landmark_guess import guess_landmarks, placed_kept
-from core.model_fit import LEAST_LANDMARKS, FitSettings, fit_model, trusted_landmarks
-from core.pipeline import usable_pictures
+from core.model_fit import LEAST_LANDMARKS, trusted_landmarks
 from core.records import (
     U8,
-    Camera,
     FloatArray,
     Landmarks2D,
     Progress,
     SetupImages,
-    UserBlendshapes,
 )
-from core.setup_plan import SHOTS, shot_of, standard_for
+from core.setup_plan import SHOTS, standard_for
 from core.store import Profile, load
 
-__all__ = ["Workbook", "first_fit", "thumbnail", "toned"]
+__all__ = ["Workbook", "thumbnail", "toned"]
 
-#: Focal length of usual webcams over the width of their pictures.
-FIRST_FOCAL = 0.95
 #: What the generic aligner sees in a picture, None without a face.
 Find = Callable[[U8], Landmarks2D | None]
 
@@ -279,37 +270,6 @@ class Workbook:
             return False
         trained = self.profile.landmarks[self.profile.names.index(name)]
         return _same(trained, self._landmarks[name])
-
-
-def first_fit(
-    model: FaceModel, book: Workbook
-) -> Generator[Progress, None, tuple[Camera, UserBlendshapes]]:
-    """Return the camera and the face of a workbook, roughly before its first training.
-
-    Pictures of prompts in which no face was found get guessed landmarks.
-
-    Raises:
-        FewPicturesError: Too few pictures show a face.
-    """
-    if book.profile is not None:
-        return book.profile.camera, book.profile.user
-    given = book.used_names
-    standard = np.stack([book.standard(name) for name in given])
-    images = SetupImages(tuple(book.image(name) for name in given), given, standard)
-    images, usable, sorting = usable_pictures(images, [book.landmarks(name) for name in given])
-    height, width = images.images[0].shape[:2]
-    camera = camera_for((width, height), FIRST_FOCAL * width)
-    fit = yield from fit_model(model, camera, usable, FitSettings(), images.standard)
-    user = user_blendshapes(model, fit)
-    shots = [shot_of(name) for name in images.names]
-    rows = [row for row, shot in enumerate(shots) if shot is not None]
-    fitted = [shot for shot in shots if shot is not None]
-    for name in (given[n] for n in sorting.guessed):
-        shot = shot_of(name)
-        if shot is not None:
-            guess = guess_landmarks(model, user, camera, shot, fitted, rows_of_fit(fit, rows))
-            book.suggest(name, placed_kept(guess, book.landmarks(name)))
-    return camera, user
 
 
 def history(before: Profile | None) -> dict[str, object]:

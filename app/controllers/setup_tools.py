@@ -13,6 +13,7 @@ from app.capture.patient import PatientCamera
 from app.capture.source import FrameSource
 from app.capture.webcam import CameraEntry, WebcamSource
 from app.controllers.toolbox import Toolbox
+from app.first_fit import first_fit
 from app.models import Looking, free_tracker, load_aligner
 from app.performer.prompted import PromptedPerformer
 from app.priority import taking_turns
@@ -22,7 +23,7 @@ from app.setup_steps import rivals
 from app.shelf import Shelf
 from app.sounds import Speaker
 from app.views.choice import Choice
-from app.workbook import Workbook, first_fit
+from app.workbook import Workbook
 from core.free_live import FreeTracker
 from core.landmark_refit import Refitter
 from core.records import U8, Landmarks2D, Progress

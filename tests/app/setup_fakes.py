@@ -10,11 +10,12 @@ from app.capture.holding import Held, knobs
 from app.controllers import capture_tools
 from app.controllers.setup_wizard import SetupController
 from app.errors import CameraLostError, NoCameraError
+from app.first_fit import first_fit
 from app.setup_memory import SetupChoices
 from app.shelf import Shelf
 from app.views.choice import Choice
 from app.views.setup.setup_window import SetupWindow
-from app.workbook import Workbook, first_fit
+from app.workbook import Workbook
 from core.capture_judge import Judgement, Taken
 from core.landmark_refit import Refitter
 from core.records import Frame, Progress

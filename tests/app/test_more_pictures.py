@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from app import workbook
+from app.first_fit import first_fit
 from app.resizing import at_size
 from app.setup_steps import unseen
-from app.workbook import Workbook, first_fit
+from app.workbook import Workbook
 from core.camera import camera_for, project, seen_by
 from core.extra_shots import COVERS
 from core.landmark_edit import points_of

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from app import workbook
+from app.first_fit import first_fit
 from app.setup_steps import unseen
-from app.workbook import Workbook, first_fit
+from app.workbook import Workbook
 from core.landmark_edit import points_of
 from core.records import Landmarks2D
 from core.setup_plan import SHOTS
