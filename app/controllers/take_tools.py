@@ -1,6 +1,6 @@
 """What takes need of the rest of the program: solving, drawing, a user's head."""
 
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from pathlib import Path
 from typing import Protocol
 
@@ -17,12 +17,12 @@ from app.takes.exporting import FilmWish, export_film
 from app.takes.library import Take
 from app.takes.rows import Moment
 from app.takes.solving import SolveWish, solve, tracker_for
+from core.blink_levels import blink_levels
+from core.drive import Drive
 from core.errors import CoreError
 from core.face_model import load_face_model
-from core.records import U8, FaceState, Frame, Progress, UserBlendshapes
+from core.records import U8, Frame, Progress, UserBlendshapes
 from core.store import load
-
-Drive = Callable[[FaceState], FaceState]
 
 
 class TakeTools(Protocol):
@@ -33,7 +33,7 @@ class TakeTools(Protocol):
         ...
 
     def solve(self, take: Take, wish: SolveWish, drive: Drive) -> Generator[Progress, None, Take]:
-        """Solve a take's video again."""
+        """Solve a take's video again; the drive is new, with the user's settings."""
         ...
 
     def film(
@@ -66,8 +66,10 @@ class TakeWorkshop:
     def _solve(self, take: Take, wish: SolveWish, drive: Drive) -> Generator[Progress, None, Take]:
         yield Progress(0, 1, "Preparing the tracker")
         profile = load(profile_folder(wish.profile)) if wish.profile else None
+        if profile is not None:
+            drive.know_levels(blink_levels(profile.standard, profile.shapes.coefficients))
         tracker = tracker_for(load_models(), profile, wish.mode)
-        return (yield from solve(take, wish, tracker, drive))
+        return (yield from solve(take, wish, tracker, drive.step))
 
     def film(
         self, take: Take, path: Path, wish: FilmWish, avatar: str, look: AvatarLook

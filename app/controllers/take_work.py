@@ -65,7 +65,7 @@ class TakeWork(QObject):
         """Solve the video of a take again; the result is another take."""
         wish = SolveWish(profile, mode, f"{take.name} {profile or mode}")
         drive = Drive(self._controller.drive.settings)
-        self._begin(self._tools.solve(take, wish, drive.step))
+        self._begin(self._tools.solve(take, wish, drive))
 
     def ask_to_export(self, take: Take) -> None:
         """Ask in what form a take is wanted, and where; then write it."""

@@ -42,7 +42,7 @@ def take():
 def test_a_recorded_performer_is_solved_again_and_drawn_as_a_film(take, tmp_path):
     assert take.rows()["lost"].all()
     workshop = TakeWorkshop()
-    made = last_of(workshop.solve(take, SolveWish("", "free", "again"), Drive().step))
+    made = last_of(workshop.solve(take, SolveWish("", "free", "again"), Drive()))
     rows = made.rows()
     assert len(rows) == N_FRAMES and not rows["lost"][5:].any() and made.facts.mode == "free"
     yaw = [head_yaw(rotation) for rotation in rows["driven_rotation_wxyz"].astype(float)]

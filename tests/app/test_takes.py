@@ -278,7 +278,7 @@ def test_a_take_that_cannot_be_completed_is_kept_and_told(monkeypatch):
 
 def test_takes_are_listed_the_newest_first_and_what_is_none_is_left_out():
     first = renamed(recorded(), "first")
-    second = renamed(recorded(made="2026-11-23T08:00:00"), "second")
+    renamed(recorded(made="2026-11-23T08:00:00"), "second")
     (takes_folder() / "strange").mkdir()
     (takes_folder() / "file").write_text("")
     newer = takes_folder() / "newer"
