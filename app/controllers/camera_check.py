@@ -156,6 +156,8 @@ class CameraController(QObject):
 
     def _on_chosen(self, key: str) -> None:
         self._by_user = True
+        if key == self._chosen and not self._in_trouble(key):
+            return
         # One that could not be opened beside the others may be opened alone.
         self._alone = self._in_trouble(key)
         self._choose(key)

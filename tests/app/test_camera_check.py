@@ -77,6 +77,14 @@ def test_a_click_chooses_the_camera_that_takes_the_pictures(qtbot, setup):
     assert setup.tools.chosen.camera == "Camera 2"
 
 
+def test_a_click_on_the_chosen_camera_changes_nothing(qtbot, setup):
+    page = live(qtbot, setup)
+    qtbot.waitUntil(lambda: page.verdict.text() == FINE, timeout=8000)
+    place = page.cameras.visualItemRect(page.cameras.item(0)).center()
+    QTest.mouseClick(page.cameras.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    assert setup.controller.camera.ready and page.verdict.text() == FINE
+
+
 def test_all_cameras_are_closed_before_the_pictures_are_taken(qtbot, setup):
     live(qtbot, setup)
     setup.window.next_button.click()
