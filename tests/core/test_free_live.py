@@ -1,6 +1,7 @@
 """Facts about tracking anybody: from landmarks to face states, without any setup."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from core.geometry import (
     rotation_angle_rad,
 )
 from core.landmark_flow import Followed
-from core.landmarks import N_INTERNAL, N_LANDMARKS
+from core.landmarks import N_INTERNAL, N_LANDMARKS, REGION_LANDMARKS, REGION_NAMES
 from core.records import Frame, Landmarks2D
 from tests.core.painted_user import painted_user
 from tests.core.tracked_faces import expression, head_pose, index, shape_of
@@ -323,3 +324,33 @@ def test_all_landmarks_are_shown():
     state = Stage().film()
     assert state.shape_mm.shape == (N_LANDMARKS, 3)
     assert state.landmarks_px.shape == (N_LANDMARKS, 2)
+
+
+def test_after_a_gap_of_minutes_nothing_of_the_past_is_left():
+    stage, fresh = Stage(), Stage()
+    stage.face = stage.user.shape((-60, 20, 700), (-0.4, 0, 0), jawOpen=0.9)
+    stage.film(10)
+    stage.time_s += 600.0
+    for one in (stage, fresh):
+        one.face = one.user.shape((40, 0, 560), (0.3, 0, 0))
+    again, first = stage.film(), fresh.film()
+    assert stage.resets == 1
+    np.testing.assert_allclose(again.expression, first.expression, atol=1e-9)
+    np.testing.assert_allclose(again.translation_mm, first.translation_mm, atol=1e-6)
+
+
+def test_regions_say_how_sure_the_landmarks_of_each_are():
+    stage = Stage()
+    mouth = list(REGION_LANDMARKS[REGION_NAMES.index("mouth")])
+    plain = stage.user.landmarks
+
+    def covered(face, camera):
+        landmarks = plain(face, camera)
+        confidence = landmarks.confidence.copy()
+        confidence[mouth] = 0.05
+        return replace(landmarks, confidence=confidence)
+
+    assert stage.film(3).regions[:5] == pytest.approx([1.0] * 5)
+    stage.user = SimpleNamespace(landmarks=covered)
+    regions = dict(zip(REGION_NAMES, stage.film().regions, strict=True))
+    assert regions["mouth"] == pytest.approx(0.05) and regions["nose"] == 1.0
