@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 import pytest
 
@@ -10,6 +11,7 @@ from app.avatars.gallery import Gallery
 from app.avatars.likeness.atlas import make_atlas
 from app.avatars.likeness.blend import blurred
 from app.avatars.likeness.choice import choose, head_angles_deg
+from app.avatars.likeness.glasses import without_rims
 from app.avatars.likeness.ground import Pictures, lay_ground, window
 from app.avatars.likeness.light import RoomLight, basis, room_light
 from app.avatars.likeness.make import make_likeness
@@ -259,6 +261,44 @@ def test_hidden_skin_and_other_things_are_not_looked_at(model, ground, sessions)
     near, far = (x > 35, x < -35) if seen[x > 35].mean() > 0.5 else (x < -35, x > 35)
     assert seen[near & face_of(ground)].mean() > 0.8
     assert seen[far & face_of(ground)].mean() < 0.1
+
+
+def with_glasses(model, session, row):
+    """Return a picture with dark rims that stand 24 mm before the eyes."""
+    face = session.user.neutral_mm
+    turn = matrix_from_quaternion(session.shapes.rotations_wxyz[row])
+    image = session.images[row].copy()
+    angle = np.linspace(0, 2 * np.pi, 60)
+    for center in face[model.eye_center_vertices]:
+        rim = center + np.stack([27 * np.cos(angle), 4 + 21 * np.sin(angle), -24 + 0 * angle], 1)
+        pixels = project(session.camera, rim @ turn.T + session.shapes.translations_mm[row])
+        cv2.polylines(image, [np.round(pixels).astype(np.int32)], True, (24, 20, 20), 4)
+    return image
+
+
+@pytest.mark.gl
+def test_rims_of_glasses_are_no_skin(model, ground, sessions):
+    session = sessions["window"].pictures
+    results = []
+    for worn in (False, True):
+        albedos, weights = [], []
+        for row in (0, 1, 2):
+            image = with_glasses(model, session, row) if worn else session.images[row]
+            head = session.head(model, row)
+            view = view_of(image, head, session.camera, ground.atlas, model)
+            albedos.append(view.light)
+            weights.append(view.weight * ground.window)
+        results.append((albedos, weights, without_rims(ground, albedos, weights)))
+    bare, glasses = results
+    for before, after in zip(bare[1], bare[2], strict=True):
+        np.testing.assert_array_equal(before, after)
+    for number, (albedo, before, after) in enumerate(zip(*glasses, strict=True)):
+        rim = (albedo.mean(axis=1) < 0.05) & (before > 0.3) & face_of(ground)
+        true = bare[0][number].mean(axis=1)
+        rim &= (true > 0.15) & (true > 4 * albedo.mean(axis=1))
+        assert rim.sum() > 500
+        assert (after[rim] > 0).mean() < 0.12
+        assert after.sum() > 0.7 * before.sum()
 
 
 @pytest.mark.gl

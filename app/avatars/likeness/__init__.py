@@ -8,6 +8,7 @@
 | `tone` | parts the colour of skin from the colour of the light |
 | `blend` | joins the pictures' colours in texture space, and painted skin where none looks |
 | `ground` | the masks and texels that all pictures are laid on |
+| `glasses` | leaves out what the rims of glasses hide |
 | `surroundings` | smooth functions on the head's mesh, which knows no seams of the texture |
 | `light` | the light of the pictures, divided out |
 | `views` | what one picture shows of the head, texel by texel |

@@ -18,8 +18,10 @@ _SHARP = 5
 _MOST_OFF = 0.5
 #: Share of a small smooth difference in brightness that is kept.
 _KEPT = 0.3
-#: What is this much brighter than in the other pictures is a highlight, as a logarithm.
-_HIGHLIGHT = 0.16
+#: What is this much brighter or darker than in the other pictures is not skin, as a logarithm.
+_BRIGHTER, _DARKER = 0.16, 0.30
+#: How often the pictures' mean is taken anew from those that agree.
+_AGREEING = 3
 
 
 def agreeing(ground: Ground, albedos: Sequence[F32], weights: Sequence[F32]) -> list[F32]:
@@ -40,14 +42,20 @@ def agreeing(ground: Ground, albedos: Sequence[F32], weights: Sequence[F32]) -> 
     return out
 
 
-def without_highlights(albedos: Sequence[F32], weights: Sequence[F32]) -> list[F32]:
-    """Return weights (X,) that trust no texel which is much brighter than in other pictures."""
+def agreed_weights(albedos: Sequence[F32], weights: Sequence[F32]) -> list[F32]:
+    """Return weights (X,) that trust no texel which looks otherwise than in most pictures.
+
+    Highlights wander over the skin when the head turns, and what stands before the skin, as the
+    frame of glasses does, hides another part of it.
+    """
     logs = np.log(np.stack([np.maximum(a.mean(axis=1), 2e-3) for a in albedos]))
-    stacked = np.stack(weights)
-    total = np.maximum(stacked.sum(axis=0), 1e-6)
-    mean = (stacked * logs).sum(axis=0) / total
-    over = np.maximum(logs - mean, 0) / _HIGHLIGHT
-    return list((stacked * np.exp(-(over**2))).astype(np.float32))
+    first = np.stack(weights)
+    trusted = first
+    for _ in range(_AGREEING):
+        mean = (trusted * logs).sum(axis=0) / np.maximum(trusted.sum(axis=0), 1e-6)
+        off = logs - mean
+        trusted = first * np.exp(-np.square(off / np.where(off > 0, _BRIGHTER, _DARKER)))
+    return list(trusted.astype(np.float32))
 
 
 def joined(albedos: Sequence[F32], weights: Sequence[F32], atlas: Atlas) -> F32:

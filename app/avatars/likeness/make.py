@@ -10,14 +10,15 @@ import numpy as np
 from app.avatars.complexion import skin_texture
 from app.avatars.likeness.atlas import make_atlas
 from app.avatars.likeness.blend import (
+    agreed_weights,
     agreeing,
     edge_padded,
     joined,
     toning,
-    without_highlights,
 )
 from app.avatars.likeness.choice import choose
 from app.avatars.likeness.colors import Frontal, as_color, hair_of, iris_of, white_of_eyes
+from app.avatars.likeness.glasses import without_rims
 from app.avatars.likeness.ground import Ground, Pictures, lay_ground
 from app.avatars.likeness.judge import Likeness, Skins, judged
 from app.avatars.likeness.light import RoomLight, mean_light, room_light
@@ -112,7 +113,7 @@ def _own_albedo(
         # The first pictures are the frontal ones at rest.
         weight = view.weight * ground.window * only / (1 + 0.12 * number)
         weights.append(np.asarray(weight, np.float32))
-    weights = without_highlights(albedos, weights)
+    weights = agreed_weights(albedos, without_rims(ground, albedos, weights))
     own = joined(agreeing(ground, albedos, weights), weights, ground.atlas)
     return own, _shown_share(ground, own, np.max(weights, axis=0))
 
