@@ -66,7 +66,7 @@ class LiveController(QObject):
 
     def __init__(self, window: LiveWindow, tools: Tools) -> None:
         super().__init__(window)
-        self._window, self._tools = window, tools
+        self.window, self._tools = window, tools
         self._lists = ChoiceLists(window, tools)
         self._wanted = Wanted("", NO_PROFILE.key)
         self.inviting = Inviting(window, self._is_newcomer)
@@ -84,11 +84,6 @@ class LiveController(QObject):
         self._connect_work()
 
     @property
-    def window(self) -> LiveWindow:
-        """The window."""
-        return self._window
-
-    @property
     def wanted(self) -> Wanted:
         """The chosen source and profile."""
         return self._wanted
@@ -104,7 +99,7 @@ class LiveController(QObject):
         if application is not None:
             application.aboutToQuit.connect(self.stop)
         performer = Choice(PERFORMER, "Virtual performer")
-        self._window.set_profile_rules(self._tools.name_trouble, performer)
+        self.window.set_profile_rules(self._tools.name_trouble, performer)
         kept, names = load_window(), self._tools.profiles()
         cameras = [camera.key for camera in self._tools.cameras()]
         self.inviting.declined = kept.invited
@@ -143,7 +138,7 @@ class LiveController(QObject):
             return
         self._wanted = Wanted(self._wanted.source, profile)
         self._show_choices()
-        self._window.message_bar.tell("")
+        self.window.message_bar.tell("")
         self._performing.load(profile)
 
     def swap_performer(self, performer: Performer) -> None:
@@ -159,7 +154,7 @@ class LiveController(QObject):
         """Give the source back: until the next one is chosen, others show what they play."""
         self.player.play(None)
         self._showing.lent = True
-        self._window.transport.hide()
+        self.window.transport.hide()
 
     # -- choices -------------------------------------------------------------------------
 
@@ -180,16 +175,16 @@ class LiveController(QObject):
     def _play(self, source: str, profile: str) -> None:
         """Play a source with a profile from now on; the one before ends in the background."""
         if source != self._wanted.source:
-            self._window.show_mirrored(source.startswith("camera"))
+            self.window.show_mirrored(source.startswith("camera"))
         self._wanted = Wanted(source, profile)
         self._show_choices()
         self._forget()
-        self._window.message_bar.tell("")
+        self.window.message_bar.tell("")
         if source:
-            self._window.source_pane.say(self._opening())
+            self.window.source_pane.say(self._opening())
             self.player.play(self._wanted)
         else:
-            self._window.source_pane.say(NO_CAMERA, self._lists.offers())
+            self.window.source_pane.say(NO_CAMERA, self._lists.offers())
             self.player.play(None)
         self._showing.show_numbers(self.player.busy)
         self.source_changed.emit(source)
@@ -199,7 +194,7 @@ class LiveController(QObject):
         """Leave nothing of the source before on the screen or in the numbers."""
         self._performing.forget()
         self._showing.reset()
-        self._window.avatar_pane.say(PREPARING if self._wanted.source else WAITING)
+        self.window.avatar_pane.say(PREPARING if self._wanted.source else WAITING)
         self._invite()
 
     def _invite(self) -> None:
@@ -226,7 +221,7 @@ class LiveController(QObject):
         self.scene.painted.connect(self._showing.show_painted)
         self.scene.failed.connect(self._on_avatar_failed)
         self._performing.changed.connect(self._on_performer_changed)
-        self._performing.failed.connect(lambda error: self._window.message_bar.tell(str(error)))
+        self._performing.failed.connect(lambda error: self.window.message_bar.tell(str(error)))
         self._desk.changed.connect(self._invite)
         self._desk.camera_needed.connect(self._on_camera_needed)
         self._desk.camera_free.connect(self._on_camera_free)
@@ -234,15 +229,15 @@ class LiveController(QObject):
         self._desk.retrained.connect(self._on_retrained)
 
     def _opening(self) -> str:
-        return f"Opening {self._window.sources.currentText()}…"
+        return f"Opening {self.window.sources.currentText()}…"
 
     def _on_preparing(self, progress: Progress) -> None:
         first = progress.done == 0
-        self._window.source_pane.say(GETTING_READY if first else self._opening())
+        self.window.source_pane.say(GETTING_READY if first else self._opening())
 
     def _on_opened(self, opened: Opened) -> None:
         if opened.trouble is not None:
-            self._window.message_bar.tell(str(opened.trouble))
+            self.window.message_bar.tell(str(opened.trouble))
         self._performing.begin(opened)
         self._invite()
 
@@ -259,14 +254,14 @@ class LiveController(QObject):
 
     def _on_source_failed(self, error: CoreError | AppError) -> None:
         self._forget()
-        self._window.message_bar.tell(str(error))
+        self.window.message_bar.tell(str(error))
         again = Choice(self._wanted.source, "Try again")
-        self._window.source_pane.say(NO_PICTURE, [again, *self._lists.offers()])
-        self._window.avatar_pane.say(WAITING)
+        self.window.source_pane.say(NO_PICTURE, [again, *self._lists.offers()])
+        self.window.avatar_pane.say(WAITING)
 
     def _on_avatar_failed(self, error: AppError) -> None:
-        self._window.message_bar.tell(str(error))
-        self._window.avatar_pane.say(NOT_DRAWN)
+        self.window.message_bar.tell(str(error))
+        self.window.avatar_pane.say(NOT_DRAWN)
 
     def _look_around(self) -> None:
         """Do what need not be done with every frame."""
@@ -280,7 +275,7 @@ class LiveController(QObject):
     def _on_camera_needed(self) -> None:
         self.player.play(None)
         self._forget()
-        self._window.source_pane.say(SETTING_UP)
+        self.window.source_pane.say(SETTING_UP)
 
     def _on_camera_free(self, profile: str) -> None:
         """Go on, with the profile with which the user wanted to go live."""
@@ -292,7 +287,7 @@ class LiveController(QObject):
 
     def _on_profile_made(self, made: MadeProfile) -> None:
         self.use_profile(made.name)
-        self._window.message_bar.announce(made.text)
+        self.window.message_bar.announce(made.text)
 
 
 def _kept_or_first(kept: str, there: Sequence[str]) -> str:

@@ -24,6 +24,7 @@ class Playback(QObject):
         self._row.show_speeds(SPEEDS)
         controller.player.opened.connect(self._on_opened)
         controller.source_changed.connect(lambda _: self._use(None))
+        controller.player.failed.connect(lambda _: self._use(None))
         deeds["pause"].toggled.connect(self._on_pause)
         deeds["next"].triggered.connect(lambda: self._step(1))
         deeds["previous"].triggered.connect(lambda: self._step(-1))

@@ -178,7 +178,7 @@ class PlayedToolbox(FakeToolbox):
     def open_source(self, key, began_again):
         if not key.endswith(".mp4"):
             return super().open_source(key, began_again)
-        return Played(Recording(500), began_again)
+        return Played(Recording(0 if "empty" in key else 500), began_again)
 
 
 @pytest.fixture
@@ -240,6 +240,14 @@ def test_closing_while_paused_does_not_wait(window, qtbot):
     qtbot.wait(50)
     window.close()
     assert not window.isVisible()
+
+
+def test_buttons_go_with_a_video_that_can_no_longer_be_read(window, qtbot):
+    window.take("clip.mp4")
+    qtbot.waitUntil(lambda: window.source_pane.has_picture)
+    window.take("empty.mp4")
+    qtbot.waitUntil(lambda: "no more pictures" in window.message_bar.text)
+    assert not window.transport.isVisible() and not window.deeds["next"].isEnabled()
 
 
 @pytest.mark.parametrize(("time_s", "text"), [(0, "0:00.0"), (61.25, "1:01.2"), (-1, "0:00.0")])
