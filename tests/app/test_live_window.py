@@ -496,7 +496,7 @@ def quicken(monkeypatch):
 
     settings = BuildSettings(train=TrainSettings(n_stages=4, n_ferns=80))
 
-    def quick_build(model, images, landmarks, _focal_px, rng):
+    def quick_build(model, images, landmarks, _focal_px, rng, _settings=None):
         return build(model, images, landmarks, 620.0, rng, settings)
 
     monkeypatch.setattr(setup_steps, "build", quick_build)
