@@ -20,7 +20,7 @@ from core.face_model import FaceModel
 from core.face_regions import FaceBox
 from core.frame_selection import Candidate, candidate, choose
 from core.free_comparison import free_report
-from core.held_out import HeldOutSettings, Measured
+from core.held_out_pairs import HeldOutSettings, Measured
 from core.landmarks import N_LANDMARKS
 from core.pipeline import LEAST_PICTURES, BuildSettings, Built, build
 from core.records import U8, Frame, Landmarks2D, Progress, SetupImages

@@ -14,8 +14,8 @@ from core.draft import Draft, DraftPicture
 from core.extra_shots import as_seen
 from core.face_model import FaceModel
 from core.generations import HEADER_NAME
-from core.held_out import HeldOutSettings
 from core.held_out_choice import held_out_rows
+from core.held_out_pairs import HeldOutSettings
 from core.landmark_edit import points_of
 from core.model_fit import LEAST_LANDMARKS, trusted_landmarks
 from core.records import (

@@ -15,8 +15,9 @@ from core.error_summary import by_expression, by_yaw, summary
 from core.face_model import FaceModel
 from core.free_live import FreeSettings, FreeTracker
 from core.geometry import head_angles_from_matrix, matrix_from_quaternion
-from core.held_out import Measured, eye_distance_px, faces_of, yaws_deg
+from core.held_out import eye_distance_px, faces_of, yaws_deg
 from core.held_out_choice import held_out_rows
+from core.held_out_pairs import Measured
 from core.landmark_flow import Followed
 from core.landmarks import N_LANDMARKS
 from core.records import FaceState, FloatArray, Frame, Landmarks2D, Progress

@@ -19,13 +19,8 @@ from core.expression_sight import sight_of
 from core.eye_reader import EyeReader
 from core.eye_trainer import EyePictures, train_eyes
 from core.face_model import FaceModel, eye_centers_mm
-from core.held_out import (
-    HeldOutSettings,
-    Measured,
-    StageCurves,
-    all_watched,
-    held_out_report,
-)
+from core.held_out import held_out_report
+from core.held_out_pairs import HeldOutSettings, Measured, StageCurves, all_watched
 from core.model_fit import FitSettings, fit_model
 from core.records import (
     U8,

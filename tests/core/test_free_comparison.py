@@ -7,7 +7,7 @@ import pytest
 
 from core.free_comparison import free_report
 from core.geometry import quaternion_from_matrix
-from core.held_out import Measured
+from core.held_out_pairs import Measured
 from core.landmarks import N_INTERNAL
 from core.records import SetupShapes
 from core.setup_plan import SHOTS

@@ -9,7 +9,8 @@ import pytest
 from core import held_out
 from core.camera import project
 from core.geometry import matrix_from_head_angles, quaternion_from_matrix
-from core.held_out import HeldOutSettings, Measured, held_out_report
+from core.held_out import held_out_report
+from core.held_out_pairs import HeldOutSettings, Measured
 from core.landmarks import N_LANDMARKS
 from core.records import SetupShapes, Shape3D
 from core.regressor import Regression

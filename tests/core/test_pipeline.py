@@ -9,7 +9,7 @@ import pytest
 
 from core.calibration import CalibrationSettings
 from core.camera import project
-from core.held_out import HeldOutSettings
+from core.held_out_pairs import HeldOutSettings
 from core.landmarks import N_INTERNAL, N_LANDMARKS
 from core.model_fit import LEAST_LANDMARKS, FitSettings
 from core.pipeline import (
