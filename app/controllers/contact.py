@@ -17,6 +17,8 @@ def cell_of(book: Workbook | None, name: str) -> SheetCell:
     title = title_of_prompt(name)
     if book is None or name not in book.names:
         return SheetCell(name, title, "missing", "not taken yet; click to take it")
+    if name in book.taken_out:
+        return SheetCell(name, title, "weak", f"left out of the next training; {AGAIN}", "left out")
     weak = str(book.quality(name).get("weak", ""))
     if weak:
         return SheetCell(name, title, "weak", f"{weak}; {AGAIN}", weak)
