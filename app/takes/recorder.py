@@ -3,11 +3,11 @@
 import os
 import shutil
 import time
-from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from threading import Condition, Thread
+from queue import Empty, SimpleQueue
+from threading import Thread
 from typing import BinaryIO
 
 from app.errors import AppError
@@ -81,9 +81,11 @@ class Recorder:
         self._part, self._facts, self._ended = part, facts, ended
         self._free_bytes = free_bytes
         self.frames, self.seconds, self.pictures_left_out = 0, 0.0, 0
-        self._changed = Condition()
-        self._waiting: deque[_Waiting] = deque()
-        self._waiting_bytes = 0
+        # Never makes the live thread wait, as a lock that the writer holds would; None wakes the
+        # writer. Of each pair of counters one belongs to the live thread, the other to the writer.
+        self._waiting: SimpleQueue[_Waiting | None] = SimpleQueue()
+        self._put_bytes, self._written_bytes = 0, 0
+        self._written = 0
         self._paused, self._stopping = False, False
         self._trouble: AppError | None = None
         self._last_s: float | None = None
@@ -115,27 +117,24 @@ class Recorder:
             driven: What the avatar does.
             delivered_s: Not recorded; part of what the live thread tells its listeners.
         """
-        with self._changed:
-            if self._stopping or self._paused:
-                self._last_s = None
-                return
-            if frame.rgb.shape[1::-1] != self._facts.size_px or len(self._waiting) >= MOST_WAITING:
-                self._give_up(frame)
-                return
-            self.seconds += self._passed_s(frame.time_s)
-            self._put(frame, solved, driven)
-            self._changed.notify()
+        if self._stopping or self._paused:
+            self._last_s = None
+            return
+        waits = self.frames - self._written
+        if frame.rgb.shape[1::-1] != self._facts.size_px or waits >= MOST_WAITING:
+            self._give_up(frame)
+            return
+        self.seconds += self._passed_s(frame.time_s)
+        self._put(frame, solved, driven)
 
     def pause(self, paused: bool) -> None:
         """Leave frames out from now on, or go on."""
-        with self._changed:
-            self._paused = paused
+        self._paused = paused
 
     def stop(self) -> None:
         """Ask for the end; `ended` tells when the take is complete."""
-        with self._changed:
-            self._stopping = True
-            self._changed.notify()
+        self._stopping = True
+        self._waiting.put(None)
 
     def wait(self) -> None:
         """Wait for the end after `stop`."""
@@ -156,14 +155,15 @@ class Recorder:
     def _put(self, frame: Frame, solved: FaceState, driven: FaceState) -> None:
         rgb: U8 | None = None
         if self._facts.video:
-            if self._waiting_bytes + frame.rgb.nbytes <= MOST_WAITING_BYTES:
+            waits = self._put_bytes - self._written_bytes
+            if waits + frame.rgb.nbytes <= MOST_WAITING_BYTES:
                 rgb = frame.rgb
-                self._waiting_bytes += rgb.nbytes
+                self._put_bytes += rgb.nbytes
             else:
                 self.pictures_left_out += 1
         moment = Moment(self.seconds, frame.index, -1, solved, driven)
-        self._waiting.append(_Waiting(moment, rgb))
         self.frames += 1
+        self._waiting.put(_Waiting(moment, rgb))
 
     def _give_up(self, frame: Frame) -> None:
         height, width = frame.rgb.shape[:2]
@@ -171,8 +171,8 @@ class Recorder:
         why = f"the pictures are {width}x{height} now, they were {asked[0]}x{asked[1]}"
         if (width, height) == asked:
             why = "the disk does not keep up"
-        self._trouble, self._stopping = RecordingError(why), True
-        self._changed.notify()
+        self._trouble = RecordingError(why)
+        self.stop()
 
     # -- in the writer's thread ----------------------------------------------------------
 
@@ -221,20 +221,20 @@ class Recorder:
         moment = one.moment
         if one.rgb is not None and film is not None:
             moment = replace(moment, video_index=film.write(one.rgb))
-            with self._changed:
-                self._waiting_bytes -= one.rgb.nbytes
+            self._written_bytes += one.rgb.nbytes
         file.write(row_of(moment).tobytes())
+        self._written += 1
 
     def _next(self) -> list[_Waiting] | None:
         """Return what waits, perhaps nothing after some time; None at the end."""
-        with self._changed:
-            if not self._waiting and not self._stopping:
-                self._changed.wait(SIGN_EVERY_S)
-            if not self._waiting and self._stopping:
-                return None
-            some = list(self._waiting)
-            self._waiting.clear()
-            return some
+        some: list[_Waiting] = []
+        try:
+            one = self._waiting.get(timeout=0.0 if self._stopping else SIGN_EVERY_S)
+            while True:
+                some += [] if one is None else [one]
+                one = self._waiting.get_nowait()
+        except Empty:
+            return None if self._stopping and not some else some
 
     def _check_room(self, written_bytes: int) -> None:
         """End while there is room to complete the take: OpenCV does not tell of a full disk."""
