@@ -250,7 +250,8 @@ class LiveController(QObject):
     ) -> None:
         """Count and have painted what was solved; called in the live thread."""
         self._showing.count(frame, state, delivered_s)
-        self.scene.show(driven, delivered_s, frame, state)
+        if self._showing.avatar_seen:
+            self.scene.show(driven, delivered_s, frame, state)
 
     def _on_source_failed(self, error: CoreError | AppError) -> None:
         self._forget()

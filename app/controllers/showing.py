@@ -33,9 +33,17 @@ class Showing(QObject):
         self._window = window
         self.overlays = Overlays(window.deeds, maker, self)
         self._meter, self._match = Meter(), DelayMatch()
+        self._avatar_seen = True
+        window.pair.shown.connect(lambda *_: self._look_for_avatar())
+        window.deeds["alone"].toggled.connect(lambda _: self._look_for_avatar())
         self._cpu, self._trouble, self._drawn = CpuShare(), "", Drawn()
         self.state: FaceState | None = None
         self.lent = False
+
+    @property
+    def avatar_seen(self) -> bool:
+        """Whether anybody sees the avatar, here or in its own window; from any thread."""
+        return self._avatar_seen
 
     def reset(self) -> None:
         """Begin anew with another source."""
@@ -67,6 +75,12 @@ class Showing(QObject):
             return
         if self._match.on_painted(wish.frame):
             self._show_frame(wish.frame, wish.solved)
+
+    def _look_for_avatar(self) -> None:
+        """Let frames wait for the avatar's pictures only where these are seen."""
+        window = self._window
+        self._avatar_seen = window.pair.shows("avatar") or window.deeds.on("alone")
+        self._match.waits = window.pair.shows("avatar")
 
     def show_trouble(self, trouble: str, offers: Sequence[Choice]) -> None:
         """Say why no pictures come, or nothing; they come again by themselves.

@@ -198,3 +198,27 @@ def test_the_picture_beside_the_avatar_is_the_one_its_pose_was_solved_from(windo
     qtbot.waitUntil(lambda: len(pairs) > 30)
     assert all(solved == shown for solved, shown in pairs)
     assert len({solved for solved, _ in pairs}) > 20
+
+
+def test_an_avatar_that_nobody_sees_is_not_drawn_and_frames_do_not_wait_for_it(qtbot):
+    toolbox = FakeToolbox(profiles=["anna"])
+    window, controller = open_desk(toolbox)
+    qtbot.addWidget(window)
+    window.show()
+    controller.start()
+    qtbot.waitUntil(lambda: window.avatar_pane.has_picture)
+    window.deeds["avatar"].trigger()
+    qtbot.wait(50)
+    drawn, results = len(toolbox.wishes), []
+    controller.solved.connect(results.append)
+    qtbot.waitUntil(lambda: len(results) > 10)
+    shown = window.source_pane.picture.layers[0].points_px[0, 0]
+    assert len(toolbox.wishes) == drawn
+    assert shown >= results[-3].state.landmarks_px[0, 0]
+    window.deeds["alone"].trigger()
+    qtbot.waitUntil(lambda: len(toolbox.wishes) > drawn + 5)
+    window.deeds["alone"].trigger()
+    window.deeds["avatar"].trigger()
+    drawn = len(toolbox.wishes)
+    qtbot.waitUntil(lambda: len(toolbox.wishes) > drawn + 5)
+    window.close()
