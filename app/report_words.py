@@ -63,7 +63,7 @@ def _reason(reason: Mapping[str, Any]) -> str:
         return "no picture asks for it, so an average face stands in for yours"
     faces = _listed([f"“{face_words(face)}”" for face in reason["faces"]])
     if kind == "missing":
-        return f"there is no picture of {faces}; take one to make it yours"
+        return f"no picture shows it clearly; take that of {faces} to make it yours"
     if kind == "unused":
         pictures = _listed([title_of(name) for name in reason["pictures"]])
         return f"{pictures} could not be used: too few points of the face were seen"

@@ -25,6 +25,8 @@ _CONFUSED, _ALIKE = 0.6, 0.6
 _ASKED = 0.3
 #: Shown to less than this part of what was asked; believed only where landmarks tell.
 _UNSHOWN, _TELLING = 0.5, 0.2
+#: A picture that was not asked for it shows a shape clearly from this coefficient on.
+_CLEAR = 0.4
 #: What is left of the strength without a picture; where no prompt asks for it.
 _MISSING, _NEVER = 0.6, 0.9
 SIDES = ("Left", "Right")
@@ -89,10 +91,10 @@ def _judge(sight: Sight, shown: Shown, b: int) -> _Weak:
     if not asking:
         strength *= _NEVER
         reasons.append({"kind": "never asked"})
-    elif not rows:
+    elif not rows and shown.coefficients[:, b].max(initial=0.0) < _CLEAR:
         strength, enough = strength * _MISSING, False
         reasons.append(_missing(asking, shown))
-    else:
+    elif rows:
         reached = _reached(shown, rows, b)
         if reached < _UNSHOWN and sight.certain[b] > _TELLING:
             strength, enough = strength * reached, False

@@ -92,7 +92,7 @@ def test_a_report_of_an_older_program_is_shown():
 def test_the_reasons_of_weak_expressions_are_words():
     html = report_html("me", REPORT)
     assert "<b>Puffed cheeks</b>: it moves no point of your face further than 1.0 px" in html
-    assert "there is no picture of “jaw left”" in html
+    assert "take that of “jaw left” to make it yours" in html
 
 
 def test_every_kind_of_reason_has_words():

@@ -116,3 +116,12 @@ def test_the_weakest_come_first_and_all_is_plain(sight):
 def test_pictures_of_a_set_count_as_their_prompt(sight):
     names = [name for name in NAMES if not name.startswith("jaw_left")]
     assert "jawLeft" not in told(sight, shown([*names, "glasses~jaw_left_yaw+0"]))
+
+
+def test_pictures_without_prompts_count_by_what_they_show(sight):
+    """Of a video nobody knows what was meant, but the fit tells what is to be seen."""
+    frames = tuple(f"frame_{n:05d}" for n in range(12))
+    coefficients = np.zeros((12, 46))
+    coefficients[3, index("jawLeft")] = 0.6
+    found = told(sight, Shown(frames, coefficients, ()))
+    assert "jawLeft" not in found and kinds(found["jawRight"]) == {"missing"}
