@@ -15,7 +15,7 @@ What other features build on:
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
+from PySide6.QtCore import QCoreApplication, QObject, QThread, QTimer, Signal
 
 from app.controllers.choosing import ChoiceLists
 from app.controllers.face_desk import FaceDesk
@@ -114,6 +114,9 @@ class LiveController(QObject):
     def stop(self) -> None:
         """End all threads; the source is closed."""
         self._timer.stop()
+        # All are asked before one is waited for.
+        for thread in self.findChildren(QThread):
+            thread.requestInterruption()
         self.ending.emit()
         self._desk.stop()
         self._performing.stop()
