@@ -61,18 +61,19 @@ def _reason(reason: Mapping[str, Any]) -> str:
         return f"on your face it looks nearly like {other}, and is often taken for it"
     if kind == "never asked":
         return "no picture asks for it, so an average face stands in for yours"
-    faces = _listed([f"“{face_words(face)}”" for face in reason["faces"]])
+    quoted = [f"“{face_words(face)}”" for face in reason["faces"]]
     if kind == "missing":
+        faces = _listed(quoted, "or")
         return f"no picture shows it clearly; take that of {faces} to make it yours"
     if kind == "unused":
         pictures = _listed([title_of(name) for name in reason["pictures"]])
         return f"{pictures} could not be used: too few points of the face were seen"
     share = round(10 * reason["share"])
     return (
-        f"in your pictures of {faces} you made about {share} tenths of what was asked; "
+        f"in your pictures of {_listed(quoted)} you made about {share} tenths of what was asked; "
         "take them again and overdo it, or raise its gain"
     )
 
 
-def _listed(words: Sequence[str]) -> str:
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
+def _listed(words: Sequence[str], last: str = "and") -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}"
