@@ -9,6 +9,7 @@ from app.controllers.live import LiveController
 from app.controllers.profile_maker import ProfileMaker
 from app.controllers.take_list import entry_of
 from app.controllers.take_tools import TakeTools
+from app.render.look import AvatarLook
 from app.takes.exporting import ARRAYS, FILM, FilmWish, export_arrays, export_table
 from app.takes.library import Take
 from app.takes.solving import MODE_TEXTS, SolveWish
@@ -83,7 +84,7 @@ class TakeWork(QObject):
         """Write a take; the suffix of the path is that of the form."""
         if wish.form == FILM:
             film = FilmWish(wish.size_px, wish.fps, wish.beside)
-            look = self._controller.scene.look_now
+            look = film_look(self._controller.scene.look_now, wish.background)
             self._begin(self._tools.film(take, path, film, wish.avatar, look))
         elif wish.form == ARRAYS:
             self._begin(export_arrays(take, path))
@@ -115,3 +116,16 @@ class TakeWork(QObject):
     def _on_finished(self) -> None:
         self._panel.work.end()
         self.changed.emit()
+
+
+def film_look(look: AvatarLook, background: str) -> AvatarLook:
+    """Return how the pictures of a film are taken.
+
+    Args:
+        look: Of the live window.
+        background: Another kind of background, or "".
+    """
+    kind = background or look.background.kind
+    # No film has an alpha channel.
+    kind = "key" if kind == "transparent" else kind
+    return look.changed(background=look.background.changed(kind=kind))

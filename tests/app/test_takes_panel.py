@@ -12,10 +12,13 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox
 
 from app.controllers import takes as takes_controller
 from app.controllers.desk import open_desk
+from app.controllers.take_work import film_look
 from app.controllers.takes import TakesController
+from app.render.look import AvatarLook, Background
 from app.takes.completing import SILENT_S
 from app.takes.library import HEADER, part_folder, takes
 from app.takes.rows import read_columns
+from app.views.choice import Choice
 from app.views.takes.export_dialog import ExportDialog, ExportWish
 from app.views.takes.name_dialog import NameDialog
 from app.views.takes.player_box import fine_clock
@@ -350,7 +353,7 @@ class SlowTools:
         return recorded()
 
     def film(self, take, path, wish, avatar, look):
-        self.wishes.append((path, wish, avatar))
+        self.wishes.append((path, wish, avatar, look))
         yield Progress(1, 2, "Drawing")
         return path
 
@@ -420,13 +423,31 @@ def test_a_film_shows_the_chosen_avatar_in_the_chosen_way(open_takes, tmp_path):
     take = recorded()
     desk = open_takes()
     tools = desk.takes.work._tools = SlowTools()
-    wish = ExportWish(".mp4", "nora", (640, 480), 60.0, beside=True, driven=True)
+    wish = ExportWish(".mp4", "nora", (640, 480), 60.0, beside=True, driven=True, background="key")
     desk.takes.work.export(take, wish, tmp_path / "a.mp4")
     desk.until(lambda: "Exported" in desk.window.message_bar.text)
-    ((path, film, avatar),) = tools.wishes
+    ((path, film, avatar, look),) = tools.wishes
+    assert look.background.kind == "key"
     assert (path.name, film.size_px, film.fps, film.beside, avatar) == (
         "a.mp4", (640, 480), 60.0, True, "nora",
     )  # fmt: skip
+
+
+def test_a_film_has_the_background_of_the_live_window_but_no_transparency():
+    clear, blurred = (
+        AvatarLook(background=Background(kind=kind)) for kind in ("transparent", "blurred")
+    )
+    kinds = [(clear, ""), (blurred, ""), (blurred, "studio")]
+    assert [film_look(*one).background.kind for one in kinds] == ["key", "blurred", "studio"]
+
+
+@pytest.mark.parametrize("has_video", [True, False])
+def test_the_export_offers_what_the_take_has(qtbot, has_video):
+    dialog = ExportDialog("A take", [Choice("nora", "Nora")], "nora", has_video)
+    qtbot.addWidget(dialog)
+    kinds = [dialog.backgrounds.itemData(n) for n in range(dialog.backgrounds.count())]
+    assert ("blurred" in kinds) == has_video and dialog.beside_box.isEnabled() == has_video
+    assert dialog.wish() == ExportWish(".mp4", "nora", (1280, 720), 30.0, False, True, "")
 
 
 def test_times_are_told_as_a_clock():

@@ -33,8 +33,8 @@ class Form(NamedTuple):
 FORMS = (
     Form(
         ".mp4", "&Video of the avatar",
-        "The avatar as in the live window, with its background, at an even frame rate. MPEG-4, "
-        "no sound; no transparency: choose the chroma key as background to cut it out.",
+        "The avatar, seen and lit as in the live window, at an even frame rate. MPEG-4, no sound, "
+        "no transparency: a chroma key takes its place.",
     ),
     Form(
         ".csv", "&Table",
@@ -49,6 +49,12 @@ FORMS = (
 )  # fmt: skip
 SIZES = ((1280, 720), (1920, 1080), (640, 480), (1080, 1080))
 RATES = (30, 60, 25)
+BACKGROUNDS = (
+    Choice("", "As in the live window"),
+    Choice("studio", "Studio"),
+    Choice("key", "Chroma key"),
+    Choice("blurred", "Blurred webcam"),
+)
 VALUES = (Choice("driven", "As the avatar moved"), Choice("solved", "As the face was solved"))
 
 
@@ -62,6 +68,7 @@ class ExportWish(NamedTuple):
         fps: Of the video.
         beside: Whether the source stands beside the avatar.
         driven: Whether a table tells what the avatar did.
+        background: Kind of the background of a video, "" as in the live window.
     """
 
     form: str
@@ -70,6 +77,7 @@ class ExportWish(NamedTuple):
     fps: float
     beside: bool
     driven: bool
+    background: str = ""
 
 
 class ExportDialog(QDialog):
@@ -94,9 +102,12 @@ class ExportDialog(QDialog):
         self.setWindowTitle("Export the take")
         self.forms = QButtonGroup(self)
         self.avatars, self.sizes, self.rates = QComboBox(), QComboBox(), QComboBox()
+        self.backgrounds = QComboBox()
         self.values, self.beside_box = QComboBox(), QCheckBox("The &webcam's picture beside it")
         self.beside_box.setEnabled(has_video)
         self._fill(avatars, avatar)
+        for choice in BACKGROUNDS if has_video else BACKGROUNDS[:-1]:
+            self.backgrounds.addItem(choice.text, choice.key)
         layout = QVBoxLayout(self)
         intro = QLabel(told)
         intro.setWordWrap(True)
@@ -117,7 +128,7 @@ class ExportDialog(QDialog):
             FORMS[self.forms.checkedId()].key, self.avatars.currentData(),
             SIZES[self.sizes.currentIndex()], float(RATES[self.rates.currentIndex()]),
             self.beside_box.isEnabled() and self.beside_box.isChecked(),
-            self.values.currentData() == "driven",
+            self.values.currentData() == "driven", self.backgrounds.currentData(),
         )  # fmt: skip
 
     def _fill(self, avatars: Sequence[Choice], avatar: str) -> None:
@@ -133,6 +144,7 @@ class ExportDialog(QDialog):
         box = QWidget()
         form = QFormLayout(box)
         form.addRow("A&vatar", self.avatars)
+        form.addRow("&Background", self.backgrounds)
         form.addRow("&Size", self.sizes)
         form.addRow("&Frames", self.rates)
         form.addRow(self.beside_box)
