@@ -20,8 +20,12 @@ _MOST_OFF = 0.5
 _KEPT = 0.3
 #: What is this much brighter or darker than in the other pictures is not skin, as a logarithm.
 _BRIGHTER, _DARKER = 0.16, 0.30
+#: Width over which trust in a picture changes, in texels.
+_SOFT = 20.0
+#: Trust that stays: who sees a place from the side does not know it better.
+_FLOOR = 0.06
 #: How often the pictures' mean is taken anew from those that agree.
-_AGREEING = 3
+_AGREEING = 2
 
 
 def agreeing(ground: Ground, albedos: Sequence[F32], weights: Sequence[F32]) -> list[F32]:
@@ -42,7 +46,7 @@ def agreeing(ground: Ground, albedos: Sequence[F32], weights: Sequence[F32]) -> 
     return out
 
 
-def agreed_weights(albedos: Sequence[F32], weights: Sequence[F32]) -> list[F32]:
+def agreed_weights(albedos: Sequence[F32], weights: Sequence[F32], atlas: Atlas) -> list[F32]:
     """Return weights (X,) that trust no texel which looks otherwise than in most pictures.
 
     Highlights wander over the skin when the head turns, and what stands before the skin, as the
@@ -50,12 +54,18 @@ def agreed_weights(albedos: Sequence[F32], weights: Sequence[F32]) -> list[F32]:
     """
     logs = np.log(np.stack([np.maximum(a.mean(axis=1), 2e-3) for a in albedos]))
     first = np.stack(weights)
-    trusted = first
+    trust = np.ones_like(first)
     for _ in range(_AGREEING):
-        mean = (trusted * logs).sum(axis=0) / np.maximum(trusted.sum(axis=0), 1e-6)
+        now = trust * first
+        mean = (now * logs).sum(axis=0) / np.maximum(now.sum(axis=0), 1e-6)
         off = logs - mean
-        trusted = first * np.exp(-np.square(off / np.where(off > 0, _BRIGHTER, _DARKER)))
-    return list(trusted.astype(np.float32))
+        trust = np.exp(-np.square(off / np.where(off > 0, _BRIGHTER, _DARKER)))
+    # Where two pictures disagree, which of them is believed must not change from texel to texel.
+    out = []
+    for share, weight in zip(trust.astype(np.float32), weights, strict=True):
+        soft = blurred(share[:, None], weight, atlas, _SOFT)[:, 0]
+        out.append(np.asarray(weight * (_FLOOR + (1 - _FLOOR) * soft), np.float32))
+    return out
 
 
 def joined(albedos: Sequence[F32], weights: Sequence[F32], atlas: Atlas) -> F32:
@@ -79,7 +89,7 @@ def joined(albedos: Sequence[F32], weights: Sequence[F32], atlas: Atlas) -> F32:
 
 
 def blurred(values: F32, weight: F32, atlas: Atlas, width: float) -> F32:
-    """Return values (X, 3) blurred over the texels that have weight (X,)."""
+    """Return values (X, C) blurred over the texels that have weight (X,)."""
     packed = atlas.spread(np.concatenate([values * weight[:, None], weight[:, None]], axis=1))
     last = atlas.rows.max() + 1
     # What is smooth needs few texels.
@@ -87,7 +97,7 @@ def blurred(values: F32, weight: F32, atlas: Atlas, width: float) -> F32:
     small = cv2.GaussianBlur(small, (0, 0), width / 4)
     packed[:last] = cv2.resize(small, (len(packed), last), interpolation=cv2.INTER_LINEAR)
     soft = atlas.gathered(packed)
-    return np.asarray(soft[:, :3] / np.maximum(soft[:, 3:], 1e-6), np.float32)
+    return np.asarray(soft[:, :-1] / np.maximum(soft[:, -1:], 1e-6), np.float32)
 
 
 def toning(ground: Ground, own: F32, painted: F32, share: F32) -> tuple[FloatArray, FloatArray]:

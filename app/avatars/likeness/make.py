@@ -113,7 +113,7 @@ def _own_albedo(
         # The first pictures are the frontal ones at rest.
         weight = view.weight * ground.window * only / (1 + 0.12 * number)
         weights.append(np.asarray(weight, np.float32))
-    weights = agreed_weights(albedos, without_rims(ground, albedos, weights))
+    weights = agreed_weights(albedos, without_rims(ground, albedos, weights), ground.atlas)
     own = joined(agreeing(ground, albedos, weights), weights, ground.atlas)
     return own, _shown_share(ground, own, np.max(weights, axis=0))
 
