@@ -12,6 +12,7 @@ from PySide6.QtWidgets import (
     QDialogButtonBox,
     QFormLayout,
     QLabel,
+    QLayout,
     QRadioButton,
     QVBoxLayout,
     QWidget,
@@ -19,7 +20,8 @@ from PySide6.QtWidgets import (
 
 from app.views.choice import Choice
 
-INDENT_X = 3
+#: In widths of the letter x.
+INDENT_X, WIDTH_X = 6, 74
 
 
 class Form(NamedTuple):
@@ -116,7 +118,8 @@ class ExportDialog(QDialog):
         for form in FORMS:
             self._add_form(layout, form)
         layout.addWidget(self._make_buttons())
-        self.setMinimumWidth(70 * self.fontMetrics().averageCharWidth())
+        # The options come and go: only the height may change with them.
+        layout.setSizeConstraint(QLayout.SizeConstraint.SetFixedSize)
         self.forms.buttons()[0].setChecked(True)
         self._show_options()
         self.forms.buttonToggled.connect(self._show_options)
@@ -160,8 +163,11 @@ class ExportDialog(QDialog):
         button, content = QRadioButton(f"{form.text} ({form.key})"), QLabel(form.content)
         self.forms.addButton(button, FORMS.index(form))
         content.setWordWrap(True)
-        indent = INDENT_X * self.fontMetrics().averageCharWidth() * 2
+        indent = INDENT_X * self.fontMetrics().averageCharWidth()
         content.setContentsMargins(indent, 0, 0, 4)
+        # A label with wrapped lines tells its height only for a known width.
+        content.setFixedWidth(WIDTH_X * self.fontMetrics().averageCharWidth())
+        content.setFixedHeight(content.heightForWidth(content.width()))
         layout.addWidget(button)
         layout.addWidget(content)
         if form.key in self._options:
@@ -181,4 +187,3 @@ class ExportDialog(QDialog):
         chosen = FORMS[self.forms.checkedId()].key
         for key, options in self._options.items():
             options.setVisible(key == chosen)
-        self.adjustSize()
