@@ -1,4 +1,5 @@
 import signal
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,9 +11,12 @@ from app.commands.track import interrupt_ends, track
 from app.main import build_parser, main
 from app.models import LEARNING_S
 from app.recording.outputs import Outputs
+from app.resources import asset
 from core.blendshapes import mean_user
 from core.camera import camera_for
+from core.face_model import load_face_model
 from core.free_live import UNKNOWN_CAMERA
+from core.mean_face import load_mean_face
 from core.records import FaceState, Frame
 
 
@@ -190,7 +194,8 @@ def test_a_face_is_learned_from_the_beginning_of_a_recording(monkeypatch, n_fram
 
 class Shipped:
     def __init__(self, model):
-        self.face_model, self.aligner, self.prior = model, None, None
+        mean = load_mean_face(asset("aligner") / "mean_face.npz")
+        self.face_model, self.aligner, self.prior = model, SimpleNamespace(mean=mean), None
 
 
 class Known:
@@ -201,9 +206,6 @@ class Known:
 
 
 def test_the_camera_of_the_free_mode_is_given_or_of_the_profile_or_guessed():
-    from app.resources import asset
-    from core.face_model import load_face_model
-
     models = Shipped(load_face_model(asset("face_model.npz")))
     camera = Playing(0, live=True)
     focal_px = {
