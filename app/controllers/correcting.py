@@ -36,6 +36,10 @@ SETUP = Choice("correct.setup", "Set up my face…", "The guided setup makes a p
 LEARN = Choice("correct.learn", "Learn now", "Train the profile in the background")
 KEPT = "The frame is kept as {name}. The profile {profile} learns it in the background."
 QUEUED = "The frame is kept as {name}, and learned after the training that is going on."
+BROKEN = (
+    "an error of the program stopped the training; the terminal shows the details. The corrections "
+    "are kept, and the profile is as it was"
+)
 STOPPED = "The training was stopped. The corrections are kept, and learned with the next one."
 
 
@@ -62,7 +66,8 @@ class CorrectingController(QObject):
         # To be kept, the first one at once; and profiles that have something to learn.
         self._kept: list[Correction] = []
         self._untrained: list[str] = []
-        self._ending, self._cancelled = False, False
+        # `_told`: whether the user knows how the training ended.
+        self._ending, self._told = False, True
         self.row = JobRow()
         self._place_row()
         self.action = QAction("This frame is &wrong…", window)
@@ -111,7 +116,8 @@ class CorrectingController(QObject):
         self._trainer.made.connect(self._on_trained)
         self._trainer.finished.connect(self._on_training_finished)
         self.row.cancel_wanted.connect(self._on_cancel)
-        for maker in (self._preparer, self._keeper, self._trainer):
+        self._trainer.failed.connect(self._on_training_failed)
+        for maker in (self._preparer, self._keeper):
             maker.failed.connect(self._on_failed)
 
     def _on_solved(self, result: LiveResult) -> None:
@@ -197,16 +203,18 @@ class CorrectingController(QObject):
 
     def _train_next(self) -> None:
         if self._untrained and not self._trainer.busy and not self._ending:
-            profile, self._cancelled = self._untrained.pop(0), False
+            profile, self._told = self._untrained.pop(0), False
             self.row.begin(f"Learning the corrections of {profile}")
             self._trainer.start(self._tools.train(profile))
 
     def _on_cancel(self) -> None:
-        self._cancelled = True
         self._trainer.cancel()
+        self._told = True
+        self._window.message_bar.announce(STOPPED)
 
     def _on_trained(self, trained: Retrained) -> None:
         """Let the new regressor take over between two frames, if its person still plays."""
+        self._told = True
         used = self._controller.wanted.profile == trained.profile
         if used:
             self._controller.swap_performer(trained.performer)
@@ -215,10 +223,15 @@ class CorrectingController(QObject):
             f"The profile {trained.profile} has learned its corrections. {trained.text} {text}"
         )
 
+    def _on_training_failed(self, error: CoreError | AppError) -> None:
+        self._told = True
+        self._on_failed(error)
+
     def _on_training_finished(self) -> None:
         self.row.end()
-        if self._cancelled:
-            self._window.message_bar.announce(STOPPED)
+        if not self._told and not self._ending:
+            self._window.message_bar.tell(BROKEN)
+        self._told = True
         self._train_next()
 
     def _on_ending(self) -> None:

@@ -255,6 +255,20 @@ def test_a_training_that_fails_is_told_and_the_old_regressor_stays(open_desk_wit
     assert tracker_of(desk) is before
 
 
+def test_a_bug_in_the_training_is_told_and_the_live_view_goes_on(open_desk_with, qtbot):
+    desk = open_desk_with()
+    desk.live()
+    before = tracker_of(desk)
+    desk.workshop.error = ZeroDivisionError("a bug")
+    with qtbot.capture_exceptions() as caught:
+        desk.use()
+        desk.workshop.gate.set()
+        desk.until(lambda: "an error of the program" in desk.window.message_bar.text.lower())
+    assert "a bug" in str(caught[0][1]) and tracker_of(desk) is before
+    assert len(desk.workshop.kept) == 1
+    desk.live()
+
+
 def test_a_correction_that_cannot_be_kept_is_told_and_nothing_is_trained(open_desk_with):
     desk = open_desk_with()
     desk.live()
