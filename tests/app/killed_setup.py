@@ -54,15 +54,19 @@ def pictures_taken(bot, setup):
     shoot(bot, setup, 14)
 
 
-def point_dragged(bot, setup):
-    pictures_taken(bot, setup)
-    setup.controller.show("check")
-    bot.waitUntil(lambda: setup.controller.editor is not None, timeout=120_000)
-    canvas = setup.controller.editor.parent().canvas
+def nudge_a_point(canvas):
+    """Choose a landmark by a click and move it by a key."""
     x, y = canvas.scene.points_px[0]
     point = canvas.zoom.to_widget(float(x), float(y)).toPoint()
     QTest.mouseClick(canvas, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, point)
     QTest.keyClick(canvas, Qt.Key.Key_Left)
+
+
+def point_dragged(bot, setup):
+    pictures_taken(bot, setup)
+    setup.controller.show("check")
+    bot.waitUntil(lambda: setup.controller.editor is not None, timeout=120_000)
+    nudge_a_point(setup.controller.editor.parent().canvas)
 
 
 def training_begun(bot, setup):

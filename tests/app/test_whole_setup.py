@@ -16,6 +16,7 @@ from app.views.live_window import LiveWindow
 from app.views.setup.setup_window import SetupWindow
 from app.workbook import Workbook
 from core.store import load
+from tests.app.killed_setup import nudge_a_point
 
 NAME = "mara"
 #: Frames of 30 per second from one look to the next: a webcam of 10 frames per second.
@@ -37,15 +38,6 @@ def next_page(qtbot, window, step, controller):
     qtbot.waitUntil(window.next_button.isEnabled, timeout=PATIENCE_MS)
     qtbot.mouseClick(window.next_button, Qt.MouseButton.LeftButton)
     assert controller.step == step
-
-
-def drag_a_point(editor):
-    """Move one landmark by the keyboard, as a careful user does."""
-    canvas = editor.canvas
-    canvas.setFocus()
-    for _ in range(3):
-        QTest.keyClick(canvas, Qt.Key.Key_J)
-    QTest.keyClick(canvas, Qt.Key.Key_Right)
 
 
 def test_a_newcomer_gets_from_the_first_page_to_a_live_avatar(qtbot, home):
@@ -80,7 +72,7 @@ def test_a_newcomer_gets_from_the_first_page_to_a_live_avatar(qtbot, home):
     next_page(qtbot, window, "check", controller)
     qtbot.waitUntil(lambda: controller.editor is not None, timeout=PATIENCE_MS)
     assert controller.editor is not None
-    drag_a_point(controller.editor.parent())
+    nudge_a_point(controller.editor.parent().canvas)
     next_page(qtbot, window, "train", controller)
     book = Workbook(profile_folder(NAME), lambda rgb: None)
     assert sum(int(book.landmarks(name).edited.sum()) for name in QUICK) == 1
