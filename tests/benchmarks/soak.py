@@ -4,8 +4,9 @@
 
 Every minute another avatar is chosen, and the profile let go and taken up again. Printed every
 half minute: memory, threads, frames. In the end: how memory grows once every avatar was seen and
-the first third is over, in which caches fill (so play five minutes at least), whether a thread was lost or left over, and how many frames were left out. The exit
-code is 1 if memory grew by more than 1 MB a minute or a thread is missing.
+the first third is over, in which caches fill (so play five minutes at least), whether a thread was
+lost or left over, and the rate. The exit code is 1 if memory grew by more than 1 MB a minute, or a
+thread was missing or is left.
 """
 
 import argparse
