@@ -26,6 +26,8 @@ from core.records import I32, Camera, FloatArray, Landmarks2D, ModelFit, Progres
 
 #: A picture needs this many trusted internal landmarks for its pose to be found.
 LEAST_LANDMARKS = 12
+#: A face whose landmarks reach less far has no pose that could be found.
+LEAST_FACE_PX = 8.0
 TRUSTED = 0.3
 #: Levenberg-Marquardt on person and pictures: start, factor after a good and after a bad step.
 _DAMPING, _LESS, _MORE = 0.03, 0.3, 4.0
@@ -85,8 +87,12 @@ class Fit:
 
 
 def trusted_landmarks(landmarks: Landmarks2D) -> int:
-    """Return how many internal landmarks can be trusted."""
-    return int(np.sum(landmarks.confidence[:N_INTERNAL] > TRUSTED))
+    """Return how many internal landmarks can be trusted; none of those that lie on one spot."""
+    trusted = landmarks.confidence[:N_INTERNAL] > TRUSTED
+    points = landmarks.points_px[:N_INTERNAL][trusted]
+    if not len(points) or np.ptp(points, axis=0).max() < LEAST_FACE_PX:
+        return 0
+    return len(points)
 
 
 def check_landmarks(landmarks: Sequence[Landmarks2D]) -> None:

@@ -271,6 +271,13 @@ def test_says_which_picture_has_too_few_landmarks():
     assert caught.value.picture == 4 and caught.value.found == 0
 
 
+def test_landmarks_on_one_spot_show_no_face():
+    data = pictures()
+    data.landmarks[2] = landmarks_of(np.full_like(data.landmarks[2].points_px, 100.0))
+    with pytest.raises(FewLandmarksError, match=r"picture 2 has 0"):
+        check_landmarks(data.landmarks)
+
+
 def test_the_state_of_some_pictures_can_be_taken_over():
     data = pictures()
     other = State(data.state.rotations, data.state.translations_mm + 1, data.state.expressions)
