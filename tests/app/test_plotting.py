@@ -52,7 +52,7 @@ def test_nothing_is_remembered_or_plotted_while_no_plot_is_open(desk, qtbot):
 def test_plots_follow_the_theme(desk, qtbot):
     window, plotting = desk
     window.panels.show("plot_head")
-    qtbot.waitUntil(lambda: plotting.angles.built, timeout=20_000)
+    qtbot.waitUntil(lambda: plotting.angles.names != (), timeout=20_000)
     for ground in (QColor(20, 22, 24), QColor(250, 250, 250)):
         palette = QPalette(window.palette())
         palette.setColor(QPalette.ColorRole.Base, ground)
