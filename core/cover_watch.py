@@ -62,8 +62,8 @@ class CoverSettings:
     slopes: float = 0.1
     memory: float = 300.0
     light: float = 0.3
-    reach_mm: float = 9.0
-    covered: tuple[float, float] = (1.9, 2.7)
+    reach_mm: float = 12.0
+    covered: tuple[float, float] = (1.75, 2.5)
     odd: float = 1.7
     fast: tuple[float, float] = (3.0, 1.4)
     probation_s: float = 0.5

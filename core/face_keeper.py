@@ -98,7 +98,7 @@ class KeeperSettings:
     """
 
     patience_s: float = 2.5
-    least_trust: float = 0.04
+    least_trust: float = 0.004
     sure: float = 0.08
     covered: float = 0.2
     wary_s: float = 1.0
