@@ -54,12 +54,14 @@ class CoverSettings:
         probation_s: Time after which a look is learned from.
         patience_s: Time after which what covers is part of the face: glasses, a beard.
         least: Looks before anything is judged.
+        least_s: Time before that.
+        known: Looks after which a face can be told to be hidden or another's.
     """
 
     square: float = 1 / 90
     spread: float = 0.06
-    spread_looks: float = 6.0
-    slopes: float = 0.1
+    spread_looks: float = 40.0
+    slopes: float = 0.15
     memory: float = 300.0
     light: float = 0.3
     reach_mm: float = 12.0
@@ -69,6 +71,8 @@ class CoverSettings:
     probation_s: float = 0.5
     patience_s: float = 12.0
     least: int = 8
+    least_s: float = 1.1
+    known: int = 24
 
 
 class Judged(NamedTuple):
@@ -82,6 +86,7 @@ class Judged(NamedTuple):
         colors: (468, 3) as they were in the light that is known.
         seen: (468,) 1 where a point faces the camera in the picture, else 0.
         points_px: (468, 2).
+        known: Whether the face is known well.
     """
 
     time_s: float
@@ -91,11 +96,12 @@ class Judged(NamedTuple):
     colors: FloatArray
     seen: FloatArray
     points_px: FloatArray
+    known: bool
 
     @property
     def hidden(self) -> bool:
         """Whether hardly anything of the face that is known is to be seen: it may be another's."""
-        return bool(self.cover[:N_INTERNAL].mean() > _HIDDEN)
+        return self.known and bool(self.cover[:N_INTERNAL].mean() > _HIDDEN)
 
 
 class CoverWatch:
@@ -116,7 +122,7 @@ class CoverWatch:
     def reset(self) -> None:
         """Know no face."""
         settings = self._settings
-        self._looks, self._odd_s = 0, np.nan
+        self._looks, self._odd_s, self._first_s = 0, np.nan, np.inf
         self._model = np.zeros((_N_CAUSES, N_SURFACE, 3))
         self._spread = np.tile(np.array([1.0, 0.5, 0.5]) * settings.spread, (N_SURFACE, 1)) ** 2
         self._counts = np.full(N_SURFACE, settings.spread_looks)
@@ -147,12 +153,15 @@ class CoverWatch:
             odd /= min(1 + self._speed(points, size_px, time_s) / fast, most)
         low, high = self._settings.covered
         share = np.clip((odd - low) / (high - low), 0.0, 1.0)
-        return Judged(time_s, share * share * (3 - 2 * share), odd, causes, colors, seen, points)
+        cover, known = share * share * (3 - 2 * share), self._looks >= self._settings.known
+        return Judged(time_s, cover, odd, causes, colors, seen, points, known)
 
     @property
     def knows(self) -> bool:
         """Whether enough was seen to judge."""
-        return self._looks >= self._settings.least
+        settings = self._settings
+        known_s = -np.inf if self._last is None else self._last[0] - self._first_s
+        return self._looks >= settings.least and known_s >= settings.least_s
 
     def accept(self, seen: Judged) -> None:
         """Take what was judged for the face; learn from what was seen a moment ago.
@@ -214,7 +223,7 @@ class CoverWatch:
         """Take a look for what is usual: one step of recursive least squares."""
         x, settings = seen.causes, self._settings
         if self._looks == 0:
-            self._model[0] = seen.colors
+            self._model[0], self._first_s = seen.colors, seen.time_s
         unsure = 1.0 + float(x @ self._doubt @ x)
         away = seen.colors - self._foretold(x)
         gain = self._doubt @ x / unsure
