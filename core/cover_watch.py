@@ -60,8 +60,8 @@ class CoverSettings:
 
     square: float = 1 / 90
     spread: float = 0.06
-    spread_looks: float = 40.0
-    slopes: float = 0.15
+    spread_looks: float = 16.0
+    slopes: float = 0.12
     memory: float = 300.0
     light: float = 0.3
     reach_mm: float = 12.0
