@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from core.kernels.skin import change_of_light, read_skin
-from core.landmarks import MESH478, N_INTERNAL, N_LANDMARKS
+from core.landmarks import GROUPS, MESH478, N_INTERNAL, N_LANDMARKS
 from core.mean_face import N_SURFACE, MeanFace, smooth_normals
 from core.records import U8, FloatArray
 
@@ -31,6 +31,11 @@ _N_CAUSES = 7
 _FACING = 0.2
 #: Mean cover of the internal landmarks from which on a face is hidden.
 _HIDDEN = 0.7
+#: Landmarks that move much, and how far from them skin is skin.
+_MOBILE = (
+    (GROUPS["lips_outer"] + GROUPS["lips_inner"], 7.0),
+    (GROUPS["eye_right"] + GROUPS["eye_left"], 4.0),
+)
 #: Rounds in which light is told from cover.
 _ROUNDS = 4
 
@@ -113,6 +118,9 @@ class CoverWatch:
         places, marks = mean.vertices_mm, mean.vertices_mm[MESH478]
         squared = np.sum((places[None] - marks[:, None]) ** 2, axis=2)
         self._near = np.exp(-squared / (2 * self._settings.reach_mm**2))
+        # Teeth, tongue and lids look as they like: what is around them tells of a cover.
+        for mobile, clear_mm in _MOBILE:
+            self._near[:, squared[list(mobile)].min(axis=0) < clear_mm**2] = 0.0
         self._basis = np.column_stack([np.ones(N_SURFACE), self._normals])
         least = 20 * self._settings.spread**2
         self._ridge = least * np.array([1e-3, *[self._settings.light**-2] * 3])
