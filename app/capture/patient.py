@@ -173,7 +173,7 @@ class PatientCamera(ClosedOnExit):
 
     def _found(self) -> FrameSource | None:
         """Return the camera if it is back, after a pause if it is not."""
-        entry = same_camera(self._entry, self._cameras())
+        entry = self._listed()
         try:
             if entry is not None:
                 device: FrameSource = self._open(entry, self._held)
@@ -186,6 +186,13 @@ class PatientCamera(ClosedOnExit):
         with self._ready:
             self._ready.wait_for(lambda: self._stopped, self._retry_s)
         return None
+
+    def _listed(self) -> CameraEntry | None:
+        """Return the camera if it is plugged in; where listing itself fails it is not found."""
+        try:
+            return same_camera(self._entry, self._cameras())
+        except Exception:  # noqa: BLE001  whatever a driver throws must not end the waiting
+            return None
 
 
 def same_camera(known: CameraEntry, found: Sequence[CameraEntry]) -> CameraEntry | None:

@@ -53,8 +53,11 @@ class Desk:
 
     def __init__(self, *entries):
         self.entries, self.opened, self.devices, self.busy = list(entries), [], [], False
+        self.failing = False
 
     def cameras(self):
+        if self.failing:
+            raise RuntimeError("the driver lists nothing now")
         return list(self.entries)
 
     def open(self, entry, held):
@@ -121,6 +124,17 @@ def test_a_camera_that_another_program_took_meanwhile_says_so(desk):
         desk.devices[0].unplug()
         assert eventually(lambda: "there but gives no picture" in camera.trouble)
         desk.busy = False
+        assert eventually(lambda: len(desk.devices) == 2)
+        assert eventually(lambda: camera.trouble == "")
+
+
+def test_a_driver_that_fails_to_list_cameras_does_not_end_the_waiting(desk):
+    with desk.camera(retry_s=0.01) as camera:
+        desk.failing = True
+        desk.devices[0].unplug()
+        assert eventually(lambda: "Desk camera is gone" in camera.trouble)
+        time.sleep(0.05)
+        desk.failing = False
         assert eventually(lambda: len(desk.devices) == 2)
         assert eventually(lambda: camera.trouble == "")
 
