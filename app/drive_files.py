@@ -12,6 +12,7 @@ the profile's other avatars use, takes its place; the user is told.
 
 import json
 import os
+import shutil
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -31,8 +32,10 @@ from core.plain_json import json_text
 FIRST = PRESETS["Natural"][1]
 #: Folder of what is kept without a profile; no profile's name, which begins with a letter.
 NOBODY = "-"
-#: Longest name of a preset.
+#: Longest name of a preset, and the most bytes of its file's name without its ending: a letter that
+#: is not English takes 6 to 12.
 MOST_LETTERS = 40
+MOST_BYTES = 200
 
 
 class PresetNameError(AppError):
@@ -107,6 +110,11 @@ def save_kept(profile: str, avatar: str, kept: Kept) -> None:
     _write(_centre_file(path), centre, keep_last=False)
 
 
+def forget_kept(profile: str) -> None:
+    """Delete the settings and the centre of a profile that was deleted."""
+    shutil.rmtree(drive_file(profile, "").parent, ignore_errors=True)
+
+
 def preset_names() -> list[str]:
     """Return the names of all presets: those of the program first."""
     own = (unquote(path.stem) for path in _preset_folder().glob("*.json"))
@@ -135,6 +143,9 @@ def save_preset(name: str, settings: DriveSettings) -> None:
     text = name.strip()
     if not text or len(text) > MOST_LETTERS:
         raise PresetNameError(name, f"expected 1 to {MOST_LETTERS} letters")
+    if (found := len(_quoted(text))) > MOST_BYTES:
+        why = f"it takes {found} bytes as a file name, expected at most {MOST_BYTES}"
+        raise PresetNameError(name, f"{why}; letters that are not English take 6 or more each")
     if text.casefold() in (one.casefold() for one in PRESETS):
         raise PresetNameError(name, "it is the name of a preset of the program")
     _write(_preset_file(text), settings_to_plain(settings), keep_last=False)
@@ -151,7 +162,12 @@ def _preset_folder() -> Path:
 
 
 def _preset_file(name: str) -> Path:
-    return _preset_folder() / f"{quote(name, safe=' ')}.json"
+    return _preset_folder() / f"{_quoted(name)}.json"
+
+
+def _quoted(name: str) -> str:
+    """Return a name as part of a file's name: surrogates, which no file system takes, too."""
+    return quote(name, safe=" ", errors="replace")
 
 
 def _centre_file(path: Path) -> Path:
@@ -185,11 +201,21 @@ def _read(path: Path) -> Mapping[str, Any] | str:
     return content if isinstance(content, dict) else "is damaged, expected named values"
 
 
+def _holds(path: Path, text: str) -> bool:
+    """Return whether a file has a text already."""
+    with suppress(OSError, ValueError):
+        return path.read_text(encoding="utf-8") == text
+    return False
+
+
 def _write(path: Path, plain: Mapping[str, Any], keep_last: bool) -> None:
-    fresh = path.with_name(path.name + ".new")
+    fresh, text = path.with_name(path.name + ".new"), json_text(plain)
     try:
+        if _holds(path, text):
+            # Written again it would push what came before it out of the last good state.
+            return
         path.parent.mkdir(parents=True, exist_ok=True)
-        fresh.write_text(json_text(plain), encoding="utf-8")
+        fresh.write_text(text, encoding="utf-8")
         if keep_last and path.exists():
             os.replace(path, _last(path))
         os.replace(fresh, path)

@@ -109,10 +109,24 @@ def test_presets_are_saved_listed_chosen_and_deleted():
     assert load_preset("Calm").settings == PRESETS["Calm"][1]
 
 
-@pytest.mark.parametrize("name", ["", "   ", "x" * 50, "natural", "Calm"])
+@pytest.mark.parametrize("name", ["", "   ", "x" * 50, "natural", "Calm", "\udcff" * 90])
 def test_names_that_presets_cannot_have_are_refused(name):
     with pytest.raises(PresetNameError, match="choose another name"):
         save_preset(name, DriveSettings())
+
+
+def test_a_name_whose_file_name_would_be_too_long_is_refused_with_the_reason():
+    save_preset("\u6f14" * 20, MINE)
+    assert preset_names()[-1] == "\u6f14" * 20
+    with pytest.raises(PresetNameError, match=r"takes 270 bytes as a file name, .* at most 200"):
+        save_preset("\u6f14" * 30, MINE)
+
+
+def test_settings_that_are_kept_twice_leave_those_before_as_the_last_good_ones():
+    for settings in (OTHER, MINE, MINE, MINE):
+        save_kept("anna", "nora", Kept(settings))
+    drive_file("anna", "nora").write_text("{")
+    assert load_kept("anna", "nora").settings == OTHER
 
 
 def test_a_damaged_preset_is_told():
