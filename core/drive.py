@@ -74,7 +74,7 @@ class Drive:
         self._stepping = Lock()
         self._requests: deque[Callable[[], None]] = deque()
         self._recentre = False
-        self._wanted_centre: tuple[Centre | None, ...] = ()
+        self._wanted_centres: deque[Centre | None] = deque()
         self._now = np.zeros(len(EXPRESSION_NAMES))
         self._time_s, self._shown = -np.inf, resting_face()
         self.use(settings or DriveSettings())
@@ -92,7 +92,7 @@ class Drive:
         self._tables = _Tables(
             settings,
             self._filter.table(settings.steadiness),
-            ResponseTable(settings.responses),
+            ResponseTable(settings.responses, settings.steadiness.mouth),
             np.array(astuple(settings.head)),
             KeyFaces(settings.keys),
         )
@@ -100,9 +100,9 @@ class Drive:
     @property
     def centre(self) -> Centre | None:
         """The centre as it was set or learned, None as long as it was not."""
-        wanted = self._wanted_centre
+        wanted = tuple(self._wanted_centres)
         if wanted:
-            return wanted[0]
+            return wanted[-1]
         if not self._head.is_set:
             return None
         rotation, place = self._head.centre
@@ -110,7 +110,7 @@ class Drive:
 
     def put_centre(self, centre: Centre | None) -> None:
         """Use a centre from an earlier time, None: as tracked."""
-        self._wanted_centre = (centre,)
+        self._wanted_centres.append(centre)
 
     def recentre(self) -> None:
         """Take the next face that is seen for a head at its centre and a face at rest."""
@@ -197,9 +197,10 @@ class Drive:
     def _step(self, state: FaceState) -> FaceState:
         while self._requests:
             self._requests.popleft()()
-        if self._wanted_centre:
-            self._put_centre(self._wanted_centre[0])
-            self._wanted_centre = ()
+        while self._wanted_centres:
+            # It stays the wanted one until it is used; one that comes meanwhile waits behind it.
+            self._put_centre(self._wanted_centres[0])
+            self._wanted_centres.popleft()
         tables = self._tables
         step_s = state.time_s - self._time_s
         self._time_s = state.time_s

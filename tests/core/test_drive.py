@@ -27,6 +27,7 @@ from core.geometry import (
     rotation_angle_rad,
     rotation_facing_camera,
 )
+from core.head_place import HeadPlace
 from tests.core.driven_faces import FPS, face, index, solved, stay
 
 AS_TRACKED = PRESETS["As tracked"][1]
@@ -116,6 +117,22 @@ def test_with_a_set_centre_the_first_picture_shows_it_so_that_the_view_is_centre
     np.testing.assert_allclose(states[0].translation_mm, [0, 0, 600], atol=1e-6)
     np.testing.assert_allclose(states[-1].translation_mm, [80, 0, 600], atol=1e-6)
     assert largest_step(states)[1] < 20
+
+
+def test_a_centre_that_comes_while_another_one_is_put_is_not_lost(monkeypatch):
+    first, second = (Centre(np.array([1.0, 0, 0, 0]), np.array([x, 0, 600.0])) for x in (0, 40.0))
+    drive = Drive(QUIET)
+    put = HeadPlace.put
+
+    def interrupted(head, centre):
+        put(head, centre)
+        if centre is first:
+            drive.put_centre(second)
+
+    monkeypatch.setattr(HeadPlace, "put", interrupted)
+    drive.put_centre(first)
+    stay(drive, 0.1)
+    np.testing.assert_allclose(drive.centre.translation_mm, [40, 0, 600])
 
 
 def test_another_centre_while_a_face_is_seen_makes_no_jump():
