@@ -42,11 +42,10 @@ class EyeReader:
     narrowness: float
 
     def __post_init__(self) -> None:
-        freeze(
-            self,
-            examples=(np.float32, (2, "C", PATCH_PIXELS)),
-            weights=(np.float32, (2, "W", 2)),
-        )
+        freeze(self, examples=(np.float32, (2, "C", PATCH_PIXELS)))
+        # The kernel reads that many without asking.
+        n_weights = self.examples.shape[1] + PATCH_PIXELS + 1
+        freeze(self, weights=(np.float32, (2, n_weights, 2)))
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return everything as named arrays."""

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from core.camera import camera_for, project
+from core.errors import ArrayShapeError
 from core.eye_reader import EyeReader, EyeReading
 from core.eye_trainer import (
     EyePictures,
@@ -160,3 +161,8 @@ def test_arrays_give_the_reader_back(reader, tmp_path: Path):
         again = EyeReader.from_arrays(dict(stored))
     np.testing.assert_array_equal(again.weights, reader.weights)
     assert again.narrowness == reader.narrowness
+
+
+def test_a_reader_whose_weights_are_not_those_of_its_examples_is_refused():
+    with pytest.raises(ArrayShapeError, match=r"weights.*\(2, 115, 2\).*\(2, 117, 2\)"):
+        EyeReader(np.zeros((2, 4, 112)), np.zeros((2, 115, 2)), 0.06)
