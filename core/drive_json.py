@@ -7,6 +7,7 @@ only where they differ from the default: the files can be read, and edited, by p
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import asdict, fields
 from typing import Any, TypeVar
 
@@ -105,8 +106,10 @@ def _about(name: str, note: Note) -> Note:
 
 
 def _number(old: float, new: object, low: float, high: float, note: Note) -> float:
-    usable = isinstance(new, int | float) and not isinstance(new, bool)
-    value = float(new) if usable else math.nan  # type: ignore[arg-type]
+    value = math.nan
+    if isinstance(new, int | float) and not isinstance(new, bool):
+        with suppress(OverflowError):
+            value = float(new)
     if not math.isfinite(value):
         note(f"is {new!r}, expected a number: left at {old:g}")
         return old

@@ -39,6 +39,7 @@ def test_what_is_missing_or_unknown_changes_nothing():
         ({"head": {"yaw": 99}}, r"head.yaw is 99, expected 0 to 3: limited"),
         ({"head": {"yaw": "much"}}, r"head.yaw is 'much', expected a number"),
         ({"head": {"yaw": True}}, r"head.yaw is True, expected a number"),
+        ({"head": {"yaw": 10**400}}, r"head.yaw is 1000+, expected a number"),
         ({"steadiness": {"eyes": float("nan")}}, r"steadiness.eyes is nan, expected a number"),
         ({"eyes": {"link_lids": "sometimes"}}, r"one of blinks, never, always"),
         ({"centring": {"head": 1}}, r"centring.head is 1, expected bool"),
