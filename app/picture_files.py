@@ -55,16 +55,28 @@ class PictureShelf:
     """Keeps the picture that was last asked for; a bad file leaves the one before in place."""
 
     def __init__(self) -> None:
-        self._path = ""
+        self._key: tuple[str, int] = ("", 0)
         self._picture: U8 | None = None
 
     def get(self, path: str) -> U8 | None:
-        """Return the picture of a file, the one before if there is none, None without any."""
-        if path != self._path:
-            self._path = path
+        """Return the picture of a file, the one before if there is none, None without any.
+
+        A file that has changed is read again.
+        """
+        key = (path, _changed_ns(path))
+        if key != self._key:
+            self._key = key
             try:
                 self._picture = load_picture(path)
             except PictureFileError:
                 # Whoever chose the file was told when it was chosen.
                 return self._picture
         return self._picture
+
+
+def _changed_ns(path: str) -> int:
+    """Return when a file was changed, 0 if that cannot be known."""
+    try:
+        return Path(path).stat().st_mtime_ns
+    except (OSError, ValueError):
+        return 0

@@ -1,6 +1,7 @@
 """What a look does to an avatar's picture: facts about pixels."""
 
 import math
+import os
 from functools import cache
 
 import cv2
@@ -259,6 +260,9 @@ def test_a_file_that_is_no_picture_says_so_and_the_one_before_stays(tmp_path):
     kept = shelf.get(str(good))
     assert shelf.get(str(bad)) is kept
     assert PictureShelf().get(str(bad)) is None
+    cv2.imwrite(str(good), np.full((6, 8, 3), 200, np.uint8))
+    os.utime(good, ns=(1, 1))
+    assert shelf.get(str(good)).shape == (6, 8, 3)
     large = tmp_path / "large.png"
     cv2.imwrite(str(large), np.zeros((2000, 3000, 3), np.uint8))
     assert load_picture(str(large)).shape == (1280, 1920, 3)
