@@ -48,6 +48,7 @@ class EaseSettings:
         hold_s: Time for which its last values are held.
         rest_s: Time in which they then fall to a third.
         back_s: Time within which they go over to what is seen again.
+        gaze_s: Time in which a covered eye turns two thirds of the way to where the other looks.
     """
 
     covered: float = 0.4
@@ -55,6 +56,7 @@ class EaseSettings:
     hold_s: float = 0.4
     rest_s: float = 0.6
     back_s: float = 0.2
+    gaze_s: float = 0.1
 
 
 class RegionEase:
@@ -121,7 +123,9 @@ class RegionEase:
         hidden = self._hidden[_EYES]
         if hidden.all():
             return self._gaze.copy()
+        step_s = 0.0 if self._last_s is None else state.time_s - self._last_s
+        share = -np.expm1(-step_s / self._settings.gaze_s)
         for eye in np.flatnonzero(hidden):
             # The way over is as smooth as the way back.
-            gaze[eye] = self._gaze[eye] + 0.3 * (gaze[1 - eye] - self._gaze[eye])
+            gaze[eye] = self._gaze[eye] + share * (gaze[1 - eye] - self._gaze[eye])
         return np.asarray(gaze)

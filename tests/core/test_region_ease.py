@@ -86,6 +86,19 @@ def test_a_covered_eye_goes_with_the_other_one():
     assert np.abs(steps).max() < 0.1
 
 
+def test_a_covered_eye_turns_as_fast_whatever_the_frame_rate():
+    def after_a_tenth(fps):
+        ease = RegionEase()
+        ease.step(replace(state(0), time_s=0.0))
+        gaze = np.array([[0.0, 0.0], [0.3, 0.0]])
+        for n in range(1, fps // 10 + 1):
+            one = ease.step(replace(state(n, gaze=gaze, eye_right=0.0), time_s=n / fps))
+        return one.gaze_rad[0, 0]
+
+    assert after_a_tenth(30) == pytest.approx(after_a_tenth(120), rel=1e-6)
+    assert 0.15 < after_a_tenth(30) < 0.25
+
+
 def test_a_lost_face_stays_as_it_was_shown_and_a_long_gap_begins_anew():
     states = [state(0, {JAW: 0.4}), state(1, {JAW: 1.0}, mouth=0.0)]
     states += [state(2, {JAW: 1.0}, lost=True), state(200, {JAW: 0.9}, mouth=0.0)]
