@@ -17,6 +17,17 @@ from core.store import IMAGES, Profile, load_pictures
 #: From so many pictures on they are kept as JPEG: PNG would take 50 MB and more.
 MANY_PICTURES = 120
 JPEG_QUALITY = 95
+NAME = r"[\w-][\w .-]*"
+#: Four bytes each at most: a file system takes 255.
+MOST_LETTERS = 60
+#: What Windows keeps for devices, whatever follows a dot.
+RESERVED = {
+    "con",
+    "prn",
+    "aux",
+    "nul",
+    *(f"{port}{n}" for port in ("com", "lpt") for n in range(10)),
+}
 
 
 class ProfileNameError(AppError):
@@ -24,10 +35,26 @@ class ProfileNameError(AppError):
 
     def __init__(self, text: str) -> None:
         self.text = text
-        super().__init__(
-            f"{text!r} is no name for a profile, expected letters, digits, spaces, '-', '_' or '.' "
-            "(or a path, which contains a '/')"
+        super().__init__(f"{_shortened(text)!r} is no name for a profile{_reason(text)}")
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= MOST_LETTERS else f"{text[:20]}…"
+
+
+def _is_reserved(text: str) -> bool:
+    return text.partition(".")[0].strip().casefold() in RESERVED
+
+
+def _reason(text: str) -> str:
+    if re.fullmatch(NAME, text) is None or text.endswith((" ", ".")):
+        return (
+            ", expected letters, digits, spaces, '-', '_' or '.', with a letter or digit first "
+            "and no space or dot last"
         )
+    if _is_reserved(text):
+        return ": Windows keeps it for a device. Choose another, for example your first name"
+    return f": it has {len(text)} letters, expected {MOST_LETTERS} at most"
 
 
 def profile_folder(text: str) -> Path:
@@ -36,9 +63,13 @@ def profile_folder(text: str) -> Path:
     Raises:
         ProfileNameError: It is neither.
     """
+    if "\0" in text:
+        raise ProfileNameError(text)
     if "/" in text or os.sep in text:
         return Path(text).expanduser()
-    if re.fullmatch(r"[\w-][\w .-]*", text) is None or text.endswith((" ", ".")):
+    if re.fullmatch(NAME, text) is None or text.endswith((" ", ".")):
+        raise ProfileNameError(text)
+    if len(text) > MOST_LETTERS or _is_reserved(text):
         raise ProfileNameError(text)
     return data_folder() / "profiles" / text
 

@@ -13,6 +13,7 @@ from app.controllers.player import Player, Wanted
 from app.controllers.prompts import ORDER, PLANS, QUICK, Prompts, told
 from app.controllers.target import Target
 from app.errors import AppError
+from app.room import check_room
 from app.setup_steps import unseen
 from app.views.choice import Choice
 from app.views.picture_view import image_from_array
@@ -31,6 +32,8 @@ __all__ = ["ORDER", "QUICK", "CaptureController", "told"]
 
 #: A camera that is lost or busy is tried again so often; whether one waits is looked at as often.
 RETRY_MS, TROUBLE_MS = 1500, 300
+#: Said until the user goes on.
+NOT_KEPT = "{why}. No pictures are taken now; make room, then press “Go on” to try again"
 NO_CAMERA = "No camera was found: choose a source above"
 
 
@@ -38,6 +41,7 @@ class CaptureController(QObject):
     """Joins the capture page with a source, the judge and a workbook."""
 
     changed = Signal()  # a picture was kept or dropped
+    troubled = Signal(str)  # why no picture can be kept; "" when one can again
 
     def __init__(self, page: CapturePage, tools: Tools, parent: QObject | None = None) -> None:
         super().__init__(parent or page)
@@ -45,7 +49,7 @@ class CaptureController(QObject):
         self._judge, self._prompts = CaptureJudge(), Prompts()
         self._book: Workbook | None = None
         self._shot: Shot | None = None
-        self._last, self._source, self._paused = "", "", False
+        self._last, self._source, self._paused, self._full = "", "", False, False
         self._opener = CaptureOpener(tools, self._judge)
         self._player = Player(self._opener, self._on_solved, self)
         self._target = Target(page.target, tools, self)
@@ -66,6 +70,7 @@ class CaptureController(QObject):
         self._page.plans.show_choices(PLANS, self._prompts.key)
         self._show_sheet()
         self._ask_next()
+        self._check_room()
         cameras = self._tools.cameras()
         self.play(source or (cameras[0].key if cameras else ""))
 
@@ -175,9 +180,31 @@ class CaptureController(QObject):
         elif key == "retake" and self._last:
             self._ask(self._last)
         elif key == "pause":
-            self._paused = not self._paused
-            self._judge.pause(self._paused)
-            self._page.show_paused(self._paused)
+            self._pause(not self._paused)
+            if not self._paused:
+                self._check_room()
+
+    def _pause(self, paused: bool) -> None:
+        self._paused = paused
+        self._judge.pause(paused)
+        self._page.show_paused(paused)
+
+    def _check_room(self) -> None:
+        """Pause where no picture can be kept, and say so before one is taken in vain."""
+        try:
+            if self._book is not None:
+                check_room(self._book.folder)
+        except CoreError as error:
+            self._stop_taking(error)
+            return
+        if self._full:
+            self._full = False
+            self.troubled.emit("")
+
+    def _stop_taking(self, error: CoreError) -> None:
+        self._full = True
+        self._pause(True)
+        self.troubled.emit(NOT_KEPT.format(why=str(error).rstrip(".")))
 
     def _on_cell(self, name: str) -> None:
         self._prompts.skip(name, skipped=False)
@@ -241,7 +268,9 @@ class CaptureController(QObject):
         try:
             book.put(taken.shot.name, taken.frame.rgb, marks, taken.quality | {"weak": why})
         except CoreError as error:
-            self._page.live.show_guide(Guide(advice=str(error)))
+            self._stop_taking(error)
+            if self._shot is not None:
+                self._ask(self._shot.name)
             return
         self._last = taken.shot.name
         self._show_cell(taken.shot.name)

@@ -13,6 +13,7 @@ from app.controllers.editing import EditorController
 from app.controllers.shelving import ShelfController
 from app.controllers.training import TrainingController
 from app.errors import AppError
+from app.room import check_room
 from app.setup_memory import SetupChoices
 from app.views.editor.editor_window import EditorWindow
 from app.views.notice import Notice
@@ -149,6 +150,7 @@ class SetupController(QObject):
         self.shelving.failed.connect(window.message_bar.tell)
         self.camera.changed.connect(self._on_camera)
         self.capturing.changed.connect(self._unlock)
+        self.capturing.troubled.connect(window.message_bar.tell)
         self.training.trained.connect(self._unlock)
         self.training.picture_wanted.connect(lambda name: self.show("check", name))
         self.training.live_wanted.connect(self._on_live)
@@ -156,8 +158,11 @@ class SetupController(QObject):
 
     def _open(self, name: str) -> None:
         try:
-            self._book = self._tools.open_book(name)
-        except (CoreError, AppError) as error:
+            book = self._tools.open_book(name)
+            if not book.names and book.profile is None:
+                check_room(book.folder)
+            self._book = book
+        except (CoreError, AppError, OSError) as error:
             self._window.message_bar.tell(str(error))
             return
         self._window.message_bar.tell(

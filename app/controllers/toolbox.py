@@ -1,6 +1,7 @@
 """What the live window's controller needs from the rest of the program, in one place."""
 
 import gc
+import os
 from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
 from functools import cached_property
@@ -130,11 +131,13 @@ class Toolbox:
 
     def name_trouble(self, name: str) -> str:
         """Return what is wrong with the name of a new profile, or an empty text."""
+        if set(name) & {"/", os.sep}:
+            return "a name has no slash in it"
         try:
             profile_folder(name)
         except AppError as error:
             return str(error)
-        return "A name has no '/' in it." if "/" in name else ""
+        return ""
 
     def guided_setup(self, source: str) -> "GuidedSetup":
         """Return the guided setup, to be shown; the source is the camera to begin with."""

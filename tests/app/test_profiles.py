@@ -39,6 +39,23 @@ def test_what_could_be_no_folder_everywhere_is_no_name(text):
         profile_folder(text)
 
 
+@pytest.mark.parametrize("text", ["CON", "nul", "com1.txt", "LPT9", "aux "])
+def test_names_of_devices_are_refused(text):
+    with pytest.raises(ProfileNameError, match="device|space or dot last"):
+        profile_folder(text)
+
+
+@pytest.mark.parametrize("text", ["a" * 61, "a" * 300])
+def test_long_names_are_refused_in_few_words(text):
+    with pytest.raises(ProfileNameError, match="expected 60 at most") as caught:
+        profile_folder(text)
+    assert len(str(caught.value)) < 160
+
+
+def test_names_with_sixty_letters_are_taken(home):
+    assert profile_folder("a" * 60) == home / "profiles" / ("a" * 60)
+
+
 @pytest.mark.parametrize(
     "platform, variable, expected",
     [

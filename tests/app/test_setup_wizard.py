@@ -289,16 +289,37 @@ def test_a_full_disk_is_told_and_the_prompt_stays(qtbot, setup, monkeypatch):
     def full(*_):
         raise ProfileUnwritableError(setup.root, "no space left on device")
 
+    put, bar = Workbook.put, setup.window.message_bar
     monkeypatch.setattr(Workbook, "put", full)
-    told_texts = []
-    show = page.live.show_guide
-    monkeypatch.setattr(
-        page.live, "show_guide", lambda guide: (told_texts.append(guide.advice), show(guide))
-    )
     QTest.keyClick(setup.window, SPACE)
-    qtbot.waitUntil(lambda: any("no space" in text for text in told_texts), timeout=5000)
+    qtbot.waitUntil(lambda: "no space" in bar.text, timeout=5000)
+    qtbot.wait(100)
+    # The message stays, and nothing is taken until the user says so.
+    assert "no space" in bar.text and page.buttons["pause"].text() == "&Go on"
     assert page.sheet.states()["pose_yaw+0"] == "missing"
+    assert setup.controller.capturing.shot.name == "pose_yaw+0"
+    monkeypatch.setattr(Workbook, "put", put)
+    page.buttons["pause"].click()
+    assert bar.text == ""
+    shoot(qtbot, setup, 1)
+    assert page.sheet.states()["pose_yaw+0"] == "good"
     close(setup)
+
+
+def test_a_profile_that_cannot_be_written_is_told_before_the_first_picture(setup):
+    (setup.root / "me").write_text("no folder")
+    setup.window.start.chosen.emit("me")
+    assert setup.controller.step == "start"
+    assert "cannot write the profile" in setup.window.message_bar.text.lower()
+
+
+def test_a_book_whose_folder_cannot_be_read_is_told(setup, monkeypatch):
+    def denied(name):
+        raise OSError(36, "File name too long", name)
+
+    monkeypatch.setattr(setup.tools, "open_book", denied)
+    setup.window.start.chosen.emit("me")
+    assert "File name too long" in setup.window.message_bar.text
 
 
 def test_landmarks_can_be_put_right_before_the_training(qtbot, setup):

@@ -63,6 +63,7 @@ class StartPage(QWidget):
         for label in (self.text, self.stored, self.ahead):
             label.setWordWrap(True)
         self.name, self.remark = QLineEdit(), QLabel()
+        self.remark.setWordWrap(True)
         self.name.setPlaceholderText("For example your first name")
         self.name.setAccessibleName("Name of the profile")
         self.begin_button = QPushButton("&Begin")
