@@ -3,6 +3,10 @@
 The container is Matroska: what was written of it before a crash can still be read.
 """
 
+import errno
+import os
+import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -14,6 +18,8 @@ from core.records import U8, Frame
 
 #: The video's name in a take's folder.
 FILM_NAME = "video.mkv"
+#: What must stay free on the disk beside a video that is written anew.
+SPARE_BYTES = 64 << 20
 
 
 class FilmError(AppError):
@@ -109,27 +115,65 @@ def blank(size_px: tuple[int, int], time_s: float, index: int) -> Frame:
     return Frame(np.repeat(gray[..., None], 3, axis=2), gray, time_s, index)
 
 
-def mend(path: Path) -> int:
+def mend(path: Path, sign: Callable[[], object] = lambda: None) -> int:
     """Write a video anew that was not completed; return how many frames it has.
 
-    A video of which nothing can be read is removed.
+    A video of which nothing can be read is removed. Else it is replaced only by one with as many
+    frames: OpenCV does not tell of a full disk.
+
+    Args:
+        path: Of the video.
+        sign: Called every now and then.
 
     Raises:
-        OSError: The disk takes no more; the video is as it was.
+        OSError: The disk has no room; the video is as it was.
+        FilmError: No video can be written there; the video is as it was.
     """
     capture = cv2.VideoCapture(str(path))
-    found, bgr = capture.read() if capture.isOpened() else (False, None)
-    if not found or bgr is None:
+    try:
+        found, bgr = capture.read() if capture.isOpened() else (False, None)
+        if not found or bgr is None:
+            capture.release()
+            path.unlink(missing_ok=True)
+            return 0
+        _check_room(path)
+        return _rewrite(path, capture, np.asarray(bgr, np.uint8), sign)
+    finally:
         capture.release()
-        path.unlink(missing_ok=True)
-        return 0
+
+
+def _rewrite(path: Path, capture: cv2.VideoCapture, first: U8, sign: Callable[[], object]) -> int:
+    """Write what a video gives into a new one in its place; return the number of frames."""
     fresh = path.with_name(f".mended{path.suffix}")
     fps = capture.get(cv2.CAP_PROP_FPS)
-    writer = FilmWriter(fresh, fps if 1 <= fps <= 1000 else 30.0, (bgr.shape[1], bgr.shape[0]))
-    while found:
-        writer.write(cv2.cvtColor(np.asarray(bgr, np.uint8), cv2.COLOR_BGR2RGB))
-        found, bgr = capture.read()
-    capture.release()
-    writer.close()
-    fresh.replace(path)
+    try:
+        writer = FilmWriter(fresh, fps if 1 <= fps <= 1000 else 30.0, first.shape[1::-1])
+        found, bgr = True, first
+        while found:
+            writer.write(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB))
+            sign()
+            found, read = capture.read()
+            bgr = np.asarray(read, np.uint8) if found else bgr
+        capture.release()
+        writer.close()
+        if _count(fresh, sign) < writer.n_frames:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        fresh.replace(path)
+    finally:
+        fresh.unlink(missing_ok=True)
     return writer.n_frames
+
+
+def _check_room(path: Path) -> None:
+    if shutil.disk_usage(path.parent).free < path.stat().st_size + SPARE_BYTES:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def _count(path: Path, sign: Callable[[], object]) -> int:
+    """Return how many frames of a video can be read."""
+    capture, number = cv2.VideoCapture(str(path)), 0
+    while capture.grab():
+        number += 1
+        sign()
+    capture.release()
+    return number

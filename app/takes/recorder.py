@@ -13,7 +13,8 @@ from typing import BinaryIO
 from app.errors import AppError
 from app.priority import step_back
 from app.recording.sink import reason
-from app.takes.completing import STATES, complete, show_life
+from app.takes.claims import claim, release, show_life
+from app.takes.completing import STATES, complete
 from app.takes.film import FILM_NAME, FilmWriter
 from app.takes.library import Take, TakeFacts, write_facts
 from app.takes.rows import Moment, row_of
@@ -29,6 +30,11 @@ SPARE_BYTES = 64 << 20
 SIGN_EVERY_S = 1.0
 #: The writer gives way to the live thread, less than a training does.
 NICENESS = 5
+BROKEN = "an error of the program, of which the terminal shows the details"
+UNCOMPLETED = (
+    "the take cannot be completed now: {why}; it is kept, and completed when the program starts "
+    "again and there is room"
+)
 
 
 class RecordingError(AppError):
@@ -104,6 +110,7 @@ class Recorder:
         """
         self._part.mkdir(parents=True)
         write_facts(self._part, self._facts)
+        claim(self._part)
         self._thread.start()
 
     def take(
@@ -186,12 +193,24 @@ class Recorder:
         except (OSError, AppError) as error:
             told = error if isinstance(error, RecordingError) else RecordingError(_told(error))
             self._trouble = told
+        except BaseException:
+            self._trouble = RecordingError(BROKEN)
+            raise
         finally:
             # Frames that still come are not waited for.
             self.stop()
+            self._end(film)
+
+    def _end(self, film: FilmWriter | None) -> None:
+        """Tell of the end whatever happens, or the window would wait for it for ever."""
+        ending = Ending(None, AppError(UNCOMPLETED.format(why=BROKEN)))
+        try:
             if film is not None:
                 film.close()
-        self._ended(self._completed(film))
+            ending = self._completed(film)
+        finally:
+            release(self._part)
+            self._ended(ending)
 
     def _completed(self, film: FilmWriter | None) -> Ending:
         n_pictures = 0 if film is None else film.n_frames
@@ -199,10 +218,7 @@ class Recorder:
         try:
             return Ending(complete(self._part, facts), self._trouble)
         except (OSError, AppError) as error:
-            return Ending(None, AppError(
-                f"the take cannot be completed now: {_told(error)}; it is kept, and completed when "
-                "the program starts again and there is room"
-            ))  # fmt: skip
+            return Ending(None, AppError(UNCOMPLETED.format(why=_told(error))))
 
     def _write_all(self, film: FilmWriter | None) -> None:
         pushed_s = time.monotonic()

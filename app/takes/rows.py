@@ -15,7 +15,7 @@ and what else a take knows:
 """
 
 import zipfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -111,13 +111,16 @@ def appended(path: Path) -> Rows:
     return np.memmap(path, ROW, mode="r", shape=(n_rows,))
 
 
-def write_columns(path: Path, rows: Rows, camera: Camera) -> None:
+def write_columns(
+    path: Path, rows: Rows, camera: Camera, sign: Callable[[], object] = lambda: None
+) -> None:
     """Write rows as the columns of an .npz file, bit by bit.
 
     Args:
         path: To write; complete only when this returns.
         rows: (N,) of the type ROW.
         camera: That made the frames.
+        sign: Called every now and then.
 
     Raises:
         OSError: The disk takes no more.
@@ -129,6 +132,7 @@ def write_columns(path: Path, rows: Rows, camera: Camera) -> None:
     }  # fmt: skip
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         for name in ROW.names or ():
+            sign()
             kind, shape = _layout(name)
             _write(archive, name, (kind, (len(rows), *shape)), (some[name] for some in cut(rows)))
         arkit = (_arkit(some) for some in cut(rows))

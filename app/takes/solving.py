@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Protocol
 
 from app.models import LEARNING_S, Looking, Models, auto_tracker, free_tracker, live_tracker
+from app.takes.claims import claiming, show_life
 from app.takes.completing import STATES, complete
 from app.takes.film import FILM_NAME, FilmReader
 from app.takes.library import Take, TakeError, free_name, part_folder, write_facts
@@ -86,13 +87,15 @@ def solve(
     if film is None:
         raise TakeError(f"the take {take.name} has no video: only one with a video can be solved")
     part = part_folder(free_name(wish.name))
+    facts = replace(take.facts, profile=wish.profile, mode=wish.mode, solved_from=take.name)
     try:
-        part.mkdir(parents=True)
-        facts = replace(take.facts, profile=wish.profile, mode=wish.mode, solved_from=take.name)
-        write_facts(part, facts)
-        _same_file(film, part / FILM_NAME)
-        focal_px = yield from _write_states(part, take, tracker, drive)
-        made = complete(part, replace(facts, focal_px=focal_px))
+        # Until it is complete it looks like what a crash left.
+        with claiming(part):
+            part.mkdir(parents=True)
+            write_facts(part, facts)
+            _same_file(film, part / FILM_NAME)
+            focal_px = yield from _write_states(part, take, tracker, drive)
+            made = complete(part, replace(facts, focal_px=focal_px))
     except OSError as error:
         raise TakeError(f"cannot write the new take: {error.strerror or error}") from None
     finally:
@@ -112,7 +115,7 @@ def _write_states(
     last = resting_state(FREE)
     try:
         if isinstance(tracker, FreeTracker) and not tracker.acquainted:
-            yield from _learn(tracker, take, reader)
+            yield from _learn(part, tracker, take, reader)
         with (part / STATES).open("wb") as file:
             for number, row in enumerate(rows):
                 time_s, index = float(row["time_s"]), int(row["video_index"])
@@ -123,13 +126,16 @@ def _write_states(
                 )  # fmt: skip
                 moment = Moment(float(row["play_s"]), frame.index, index, last, drive(last))
                 file.write(row_of(moment).tobytes())
+                show_life(part)
                 yield Progress(number + 1, len(rows), label)
     finally:
         reader.close()
     return float(tracker.camera.focal_px)
 
 
-def _learn(tracker: FreeTracker, take: Take, reader: FilmReader) -> Generator[Progress, None, None]:
+def _learn(
+    part: Path, tracker: FreeTracker, take: Take, reader: FilmReader
+) -> Generator[Progress, None, None]:
     """Let a tracker see the beginning, so that the first frames are solved as well as the last."""
     rows = take.rows()
     some = rows[rows["play_s"] < LEARNING_S]
@@ -138,6 +144,7 @@ def _learn(tracker: FreeTracker, take: Take, reader: FilmReader) -> Generator[Pr
             int(row["video_index"]), take.facts.size_px, float(row["time_s"]), number
         )
         tracker.step(frame)
+        show_life(part)
         yield Progress(0, len(rows), "Getting to know the face")
     tracker.reset()
 

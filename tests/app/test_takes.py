@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 
 from app.errors import AppError, OutputError
+from app.takes import completing
+from app.takes import film as film_module
 from app.takes import recorder as recorder_module
 from app.takes.completing import SILENT_S, STATES, abandoned, recovered, unfinished
 from app.takes.exporting import FilmWish, evenly, export_arrays, export_film, export_table
@@ -250,8 +252,7 @@ def test_what_a_crash_left_becomes_a_take_at_the_next_start(tmp_path):
     (part / STATES).write_bytes(rows.tobytes()[: -ROW.itemsize // 2])
     (part / "track.npz").unlink()
     assert not abandoned() and unfinished() == [part] and not list(recovered())
-    old = time.time() - SILENT_S - 1
-    os.utime(part / HEADER, (old, old))
+    abandon(part)
     (take,) = recovered()
     assert take.name == "broken off" and take.facts.frames == 39 and take.facts.video
     assert not unfinished() and not (take.folder / STATES).exists()
@@ -268,12 +269,120 @@ def test_a_take_that_cannot_be_completed_is_kept_and_told(monkeypatch):
         patch.setattr("app.takes.completing.write_columns", fail_to_write)
         ending = recording.end()
         assert ending.take is None and "cannot be completed now" in str(ending.trouble)
-        old = time.time() - SILENT_S - 1
-        os.utime(recording.part / HEADER, (old, old))
+        abandon(recording.part)
         (error,) = recovered()
         assert isinstance(error, TakeError) and "make room" in str(error)
+    abandon(recording.part)
     (take,) = recovered()
     assert take.facts.frames == 4
+
+
+def test_a_take_that_cannot_be_moved_in_place_is_completed_by_the_next_start(monkeypatch):
+    part = broken_off()
+    with monkeypatch.context() as patch:
+        patch.setattr("pathlib.Path.rename", fail_to_write)
+        (error,) = recovered()
+    assert isinstance(error, TakeError) and (part / STATES).exists()
+    abandon(part)
+    (take,) = recovered()
+    assert len(take.rows()) == take.facts.frames == 12 and not (take.folder / STATES).exists()
+
+
+def test_a_finished_track_without_its_rows_is_moved_in_place_not_deleted():
+    part = part_folder("nearly")
+    recorded(5).folder.rename(part)
+    abandon(part)
+    (take,) = recovered()
+    assert take.name == "nearly" and len(take.rows()) == 5 and take.film is not None
+
+
+def test_a_recording_of_a_newer_program_or_without_facts_is_kept_and_told():
+    part = broken_off()
+    told = json.loads((part / HEADER).read_text())
+    for text in (json.dumps(told | {"schema": 99}), "", None):
+        (part / HEADER).unlink() if text is None else (part / HEADER).write_text(text)
+        abandon(part)
+        (error,) = recovered()
+        assert isinstance(error, TakeError) and str(part) in str(error)
+        assert rows_on_disk(part) == 12 and (part / "video.mkv").exists()
+    empty = part_folder("empty")
+    empty.mkdir()
+    abandon(empty)
+    assert len(list(recovered())) == 1 and unfinished() == [part]
+
+
+def test_what_is_being_written_is_not_taken_for_abandoned_however_long_it_takes():
+    take = recorded()
+    steps = solve(take, SolveWish("", "free", "again"), Counting(), lambda state: state)
+    next(steps)
+    (part,) = unfinished()
+    assert abandoned(time.time() + 1000) == [] == list(recovered())
+    abandon(part)
+    next(steps)
+    assert time.time() - (part / HEADER).stat().st_mtime < SILENT_S
+    steps.close()
+    recording = Recording(facts(False))
+    assert unfinished() == [recording.part] and abandoned(time.time() + 1000) == []
+    recording.end()
+    left = broken_off()
+    assert abandoned() == [left]
+
+
+def test_completing_shows_that_it_lives(monkeypatch):
+    part = broken_off()
+    write = completing.write_columns
+
+    def write_slowly(path, rows, camera, sign):
+        abandon(part)
+        write(path, rows, camera, sign)
+        assert time.time() - (part / HEADER).stat().st_mtime < SILENT_S
+
+    monkeypatch.setattr(completing, "write_columns", write_slowly)
+    (take,) = recovered()
+    assert take.facts.frames == 12
+
+
+def test_a_video_is_not_mended_on_a_full_disk(monkeypatch):
+    part = broken_off()
+    film, before = part / "video.mkv", (part / "video.mkv").read_bytes()
+    no_room = type("Usage", (), {"free": 10**6})()
+    with monkeypatch.context() as patch:
+        patch.setattr(film_module.shutil, "disk_usage", lambda path: no_room)
+        with pytest.raises(OSError, match="space"):
+            film_module.mend(film)
+    assert film.read_bytes() == before
+    write = film_module.FilmWriter.write
+
+    def write_until_full(self, rgb):
+        # As OpenCV does: what finds no place is left out without a word.
+        if self.n_frames < 7:
+            return write(self, rgb)
+        self.n_frames += 1
+        return self.n_frames - 1
+
+    with monkeypatch.context() as patch:
+        patch.setattr(film_module.FilmWriter, "write", write_until_full)
+        with pytest.raises(OSError, match="space"):
+            film_module.mend(film)
+    assert film.read_bytes() == before and not list(part.glob(".mended*"))
+    assert film_module.mend(film) == 12 and not list(part.glob(".mended*"))
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+@pytest.mark.parametrize("place", ["write", "close"])
+def test_an_error_of_the_program_ends_the_recording_too(monkeypatch, place):
+    def fail(*_):
+        raise cv2.error("broken")
+
+    monkeypatch.setattr(recorder_module.FilmWriter, place, fail)
+    recording = Recording()
+    recording.take([0])
+    recording.recorder.stop()
+    recording.recorder.wait()
+    (ending,) = recording.endings
+    assert "error of the program" in str(ending.trouble)
+    abandon(recording.part) if recording.part.exists() else None
+    assert len(takes() + list(recovered())) == (1 if place == "close" else 0)
 
 
 def test_takes_are_listed_the_newest_first_and_what_is_none_is_left_out():
@@ -445,6 +554,22 @@ def test_recording_where_nothing_can_be_written_is_an_error(home):
     (home / "takes").write_text("")
     with pytest.raises((OSError, AppError)):
         Recording()
+
+
+def abandon(part):
+    """Let a recording have been silent for long."""
+    old = time.time() - SILENT_S - 1
+    os.utime(part / HEADER if (part / HEADER).exists() else part, (old, old))
+
+
+def broken_off(name="broken off", n_frames=12):
+    """Return the folder of a recording that a crash ended."""
+    part = part_folder(name)
+    recorded(n_frames).folder.rename(part)
+    (part / STATES).write_bytes(whole_rows(part).tobytes())
+    (part / "track.npz").unlink()
+    abandon(part)
+    return part
 
 
 def whole_rows(part):
