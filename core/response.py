@@ -12,12 +12,42 @@ from core.records import FloatArray
 SHOWN = 0.15
 #: Least range: below it noise would be shown as an expression.
 LEAST_RANGE = 0.1
+#: What parts the lips: up to REST it is a mouth at rest, from MEANT on what was tracked, where
+#: steadiness is 0.5 or less; the zone vanishes towards "as tracked".
+PARTING = np.array(
+    [
+        name.startswith(("jawOpen", "mouthPucker", "mouthFunnel", "mouthUpperUp", "mouthLowerDown"))
+        for name in EXPRESSION_NAMES
+    ]
+)
+REST, MEANT = 0.045, 0.2
+
+
+def lips_rested(expression: FloatArray, steadiness: float = 0.5) -> FloatArray:
+    """Return the expression (B,) without what little parts lips that rest on each other.
+
+    Trackers see closed lips a little open. The cubic Hermite curve from (rest, 0) with slope 0 to
+    (meant, meant) with slope 1 joins the two; it rises throughout.
+
+    Args:
+        expression: As tracked.
+        steadiness: Of the mouth: 1 leaves everything as tracked.
+    """
+    size = min(2 * (1 - steadiness), 1.0)
+    if size <= 0:
+        return expression
+    rest, meant = size * REST, size * MEANT
+    share = np.clip((expression - rest) / (meant - rest), 0.0, 1.0)
+    eased = share**2 * ((share - 1) * (meant - rest) + (3 - 2 * share) * meant)
+    return np.where(PARTING & (expression < meant), eased, expression)
 
 
 class ResponseTable:
     """The responses of all coefficients as arrays."""
 
-    def __init__(self, responses: tuple[Response, ...]) -> None:
+    def __init__(self, responses: tuple[Response, ...], steadiness: float = 1.0) -> None:
+        """Prepare the responses; by the mouth's steadiness, small openings of lips are none."""
+        self._steadiness = steadiness
         gain = np.array([one.gain for one in responses])
         low = np.array([one.low for one in responses])
         high = np.array([one.high for one in responses])
@@ -28,7 +58,8 @@ class ResponseTable:
     def applied(self, expression: FloatArray) -> FloatArray:
         """Return the expression (B,) as it is passed on, in [0, 1]."""
         # Below `low` counts as 0, not as less, so that an offset raises it from 0.
-        shown = np.maximum(self._factor * expression + self._shift, self._offset)
+        shown = self._factor * lips_rested(expression, self._steadiness) + self._shift
+        shown = np.maximum(shown, self._offset)
         return np.asarray(np.minimum(np.maximum(shown, 0.0), 1.0))
 
 

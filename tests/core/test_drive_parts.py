@@ -20,7 +20,7 @@ from core.geometry import (
 from core.head_place import HeadPlace, with_gains
 from core.idle import Breathing, SelfBlink, eased
 from core.kernels.drive import angles_of, facing, from_angles, times, times_back
-from core.response import ResponseTable, Seen, learn_full
+from core.response import MEANT, PARTING, ResponseTable, Seen, learn_full, lips_rested
 from core.setup_plan import SHOTS
 from tests.core.driven_faces import FPS, N, face, index
 
@@ -28,6 +28,20 @@ RIGHT, LEFT = index("eyeBlinkRight"), index("eyeBlinkLeft")
 
 
 # -- responses --------------------------------------------------------------------------------
+
+
+def test_what_little_parts_resting_lips_is_none_and_the_rest_is_kept():
+    noise = np.random.default_rng(0).uniform(0, 0.04, N)
+    np.testing.assert_array_equal(lips_rested(noise), np.where(PARTING, 0.0, noise))
+    wide = np.linspace(MEANT, 1, N)
+    np.testing.assert_array_equal(lips_rested(wide), wide)
+    jaw = index("jawOpen")
+    ramp = np.array([lips_rested(np.full(N, x))[jaw] for x in np.linspace(0, 0.3, 601)])
+    slope = np.diff(ramp) / np.diff(np.linspace(0, 0.3, 601))
+    assert slope.min() >= 0
+    assert slope.max() < 1.8
+    assert np.abs(np.diff(slope)).max() < 0.05
+    np.testing.assert_array_equal(lips_rested(noise, 1.0), noise)
 
 
 def test_a_response_maps_its_range_to_zero_and_one():
