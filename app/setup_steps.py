@@ -11,6 +11,7 @@ from app.capture.folder import setup_pictures
 from app.capture.video import VideoSource
 from app.errors import SeveralFacesError, TooFewPicturesError
 from app.profiles import encoded_pictures
+from app.replacing import REPLACING, check_edition
 from core.alignment import Alignment
 from core.arkit import EXPRESSION_NAMES
 from core.blind_pictures import prompt_of, rows_of_shapes
@@ -204,10 +205,29 @@ def _without_training(
         yield replace(step, done=1, total=1)
 
 
-def keep(folder: Path, profile: Profile, images: SetupImages, **facts: Any) -> Profile:
-    """Write a profile and its pictures; return it with the facts added to its report."""
+def keep(
+    folder: Path, profile: Profile, images: SetupImages, begun: str | None = None, **facts: Any
+) -> Profile:
+    """Write a profile and its pictures; return it with the facts added to its report.
+
+    Args:
+        folder: Of the profile.
+        profile: To write.
+        images: Its pictures.
+        begun: The `edition` of what it replaces when the work on it began; None: whatever is
+            there is replaced.
+        **facts: JSON values.
+
+    Raises:
+        ProfileChangedError: There is not any more what the work began with.
+        CoreError: It cannot be written.
+    """
     told = replace(profile, report=profile.report | facts)
-    save(folder, told, encoded_pictures(images))
+    files = encoded_pictures(images)
+    with REPLACING:
+        if begun is not None:
+            check_edition(folder, begun)
+        save(folder, told, files)
     return told
 
 

@@ -9,8 +9,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from app.drive_files import forget_kept
 from app.errors import AppError
 from app.own_looks import forget_looks, forget_skin
+from app.replacing import REPLACING
 from core.draft import Draft
 from core.errors import CoreError
 from core.generations import DRAFT_NAME, HEADER_NAME, read_generation, reason_of
@@ -113,7 +115,10 @@ class Shelf:
             CoreError: The profile cannot be read or written.
             ShelfError: Some pictures are still there.
         """
-        folder = self._parent / name
+        with REPLACING:
+            self._delete_pictures(name, self._parent / name)
+
+    def _delete_pictures(self, name: str, folder: Path) -> None:
         profile = load(folder)
         forget_skin(folder)
         save(folder, profile, {})
@@ -135,11 +140,14 @@ class Shelf:
         """
         going = self._parent / (GOING + name)
         shutil.rmtree(going, ignore_errors=True)
-        try:
-            (self._parent / name).rename(going)
-        except OSError as error:
-            raise ShelfError("delete", name, _reason(error)) from None
-        forget_looks(self._parent / name)
+        with REPLACING:
+            try:
+                (self._parent / name).rename(going)
+            except OSError as error:
+                raise ShelfError("delete", name, _reason(error)) from None
+            forget_looks(self._parent / name)
+        # A new person of this name sits elsewhere and rests otherwise.
+        forget_kept(name)
         with suppress(OSError):
             shutil.rmtree(going)
 

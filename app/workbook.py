@@ -1,16 +1,17 @@
 """The setup pictures of a profile with their landmarks: as trained, and as corrected since."""
 
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from app.profiles import decoded, encoded, load_setup_images, pictures_kept
+from app.replacing import REPLACING, ProfileChangedError, edition
 from app.resizing import at_size, thumbnail, toned
 from app.setup_steps import Pictures, keep, make_profile
 from core.calibration import Before
-from core.draft import Draft, DraftPicture
+from core.draft import Draft, DraftPicture, Stamp
 from core.extra_shots import as_seen
 from core.face_model import FaceModel
 from core.generations import HEADER_NAME
@@ -54,27 +55,48 @@ class Workbook:
         self.pictures_deleted = False
         self._images: dict[str, U8] = {}
         self._landmarks: dict[str, Landmarks2D] = {}
-        if (folder / HEADER_NAME).exists():
-            self._open(load(folder))
         self._out: set[str] = set()
-        self._read_draft()
+        # What this book knows: the profile's edition, and the draft's state.
+        self._edition, self._known = "", dict[str, Stamp]()
+        self._open()
 
-    def _read_draft(self) -> None:
-        for name in self._draft.names():
-            self._add_draft(name)
+    def _open(self) -> None:
+        """Read profile and draft anew; until all is read, a window sees what was there before."""
+        now, profile, deleted = edition(self.folder), None, False
+        images: dict[str, U8] = {}
+        landmarks: dict[str, Landmarks2D] = {}
+        if (self.folder / HEADER_NAME).exists():
+            profile, deleted = load(self.folder), not pictures_kept(self.folder)
+        if profile is not None and not deleted:
+            read = load_setup_images(self.folder, profile)
+            images = dict(zip(read.names, read.images, strict=True))
+            landmarks = dict(zip(profile.names, profile.landmarks, strict=True))
+        known = self._draft.state()
+        self._add_drafts(known, images, landmarks)
+        out = set(self._draft.taken_out()) & set(landmarks)
+        self._images, self._landmarks, self._out = images, landmarks, out
+        self.profile, self.pictures_deleted = profile, deleted
+        self._edition, self._known = now, known
+        # What the window kept while this was read.
+        self._catch_up()
+
+    def _catch_up(self) -> None:
+        """Read what has come into the draft, or changed there, since it was read."""
+        state = self._draft.state()
+        fresh = {file: stamp for file, stamp in state.items() if self._known.get(file) != stamp}
+        self._add_drafts(fresh, self._images, self._landmarks)
+        self._known |= fresh
         self._out = set(self._draft.taken_out()) & set(self._landmarks)
 
-    def _open(self, profile: Profile) -> None:
-        self.profile = profile
-        self._images, self._landmarks = {}, {}
-        self.pictures_deleted = not pictures_kept(self.folder)
-        if self.pictures_deleted:
-            return
-        images = load_setup_images(self.folder, profile)
-        self._images = dict(zip(images.names, images.images, strict=True))
-        self._landmarks = dict(zip(profile.names, profile.landmarks, strict=True))
+    def _add_drafts(
+        self, files: Iterable[str], images: dict[str, U8], landmarks: dict[str, Landmarks2D]
+    ) -> None:
+        for name in sorted({Path(file).stem for file in files if not file.endswith(".out")}):
+            self._add_draft(name, images, landmarks)
 
-    def _add_draft(self, name: str) -> None:
+    def _add_draft(
+        self, name: str, images: dict[str, U8], landmarks: dict[str, Landmarks2D]
+    ) -> None:
         picture = self._draft.get(name)
         if picture is None:
             return
@@ -82,9 +104,9 @@ class Workbook:
             rgb = decoded(self._draft.content(picture))
             if rgb is None:
                 return
-            self._images[name] = rgb
-        if name in self._images:
-            self._landmarks[name] = picture.landmarks
+            images[name] = rgb
+        if name in images:
+            landmarks[name] = picture.landmarks
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -158,6 +180,7 @@ class Workbook:
             self._draft.remove(name)
         else:
             self._draft.put(name, replace(known, landmarks=landmarks))
+        self._own(name)
 
     def suggest(self, name: str, landmarks: Landmarks2D) -> None:
         """Use other landmarks for a picture until the user corrects them; nothing is kept."""
@@ -178,6 +201,7 @@ class Workbook:
         rgb, landmarks = at_size(rgb, as_seen(name, landmarks), self._size_px(rgb))
         picture = DraftPicture(landmarks, landmarks, f"{name}.png", quality)
         self._draft.put(name, picture, encoded(rgb))
+        self._own(name)
         self._images[name], self._landmarks[name] = rgb, landmarks
         self.take_out(name, False)
 
@@ -195,7 +219,12 @@ class Workbook:
         """
         if name in self._landmarks and (name in self._out) != out:
             self._draft.take_out(name, out)
-            self._out ^= {name}
+            self._own(name)
+            self._out = self._out | {name} if out else self._out - {name}
+
+    def _own(self, name: str) -> None:
+        """Take what the draft holds of a picture for known: this book has just written it."""
+        self._known |= self._draft.state_of(name)
 
     def _size_px(self, rgb: U8) -> tuple[int, int]:
         """Return the size of all pictures; it is that of the first."""
@@ -224,17 +253,34 @@ class Workbook:
             The new profile; this book is then one of the new profile.
 
         Raises:
-            CoreError: The profile is as it was.
+            CoreError, AppError: The profile is as it was; or it was deleted, emptied or trained
+                elsewhere meanwhile, and is as that left it.
         """
-        before = self._draft.state()
+        self._bring_up_to_date()
+        begun, before = self._edition, dict(self._known)
         steps = make_profile(model, self._pictures(), self.given_focal_px, rng)
         profile, used = yield from steps
-        kept = keep(self.folder, profile, used, **history(self.profile))
-        self._draft.clear(before)
-        self._open(kept)
-        # What was taken or corrected, here or elsewhere, while the training was at work.
-        self._read_draft()
+        with REPLACING:
+            kept = keep(self.folder, profile, used, begun, **history(self.profile))
+            self._draft.clear(before)
+        # With what was taken or corrected, here or elsewhere, while the training was at work.
+        self._open()
         return kept
+
+    def _bring_up_to_date(self) -> None:
+        """Read what is on the disk, if it is not any more what was read from there.
+
+        Raises:
+            ProfileChangedError: Profile or pictures were deleted.
+        """
+        now = edition(self.folder)
+        if not self.folder.is_dir() or (self._edition and not now):
+            raise ProfileChangedError(self.folder, "deleted")
+        if now != self._edition:
+            self._open()
+        self._catch_up()
+        if not self.used_names:
+            raise ProfileChangedError(self.folder, "emptied")
 
     def _pictures(self) -> Pictures:
         """Return what the next training is made from."""

@@ -11,7 +11,8 @@ is lost when the program ends at any moment, and a damaged file costs one pictur
 import io
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,8 @@ from core.generations import (
 )
 from core.records import Landmarks2D
 
+#: What changes with every writing of a file: time in ns, bytes, number on the disk.
+Stamp = tuple[int, int, int]
 _ARRAYS, _FRESH, _OUT = ".npz", ".new", ".out"
 
 
@@ -136,21 +139,34 @@ class Draft:
         if kept is not None and kept.picture_name:
             (self._folder / kept.picture_name).unlink(missing_ok=True)
 
-    def state(self) -> dict[str, tuple[int, int]]:
-        """Return what tells whether a file has changed: its name -> time and size."""
+    def state(self) -> dict[str, Stamp]:
+        """Return what tells whether a file has changed: its name -> time, size and number."""
         files = [path for end in (_ARRAYS, _OUT) for path in self._folder.glob(f"*{end}")]
-        return {path.name: (path.stat().st_mtime_ns, path.stat().st_size) for path in files}
+        return self._stamps(path.name for path in files)
 
-    def clear(self, before: Mapping[str, tuple[int, int]] | None = None) -> None:
+    def state_of(self, name: str) -> dict[str, Stamp]:
+        """Return the part of the state that is about one picture."""
+        return self._stamps(name + end for end in (_ARRAYS, _OUT))
+
+    def clear(self, before: Mapping[str, Stamp] | None = None) -> None:
         """Drop everything: a new generation holds it.
 
         Args:
-            before: The draft's state when that generation was begun. What has come or changed
-                since then stays; None: nothing has.
+            before: The draft's state when what went into that generation was read. What has come
+                or changed since then stays; None: nothing has.
         """
         for file, stamp in self.state().items():
             if before is None or before.get(file) == stamp:
                 self._drop(file)
+
+    def _stamps(self, files: Iterable[str]) -> dict[str, Stamp]:
+        stamps = {}
+        for file in files:
+            # Another program may drop it at any moment.
+            with suppress(OSError):
+                found = (self._folder / file).stat()
+                stamps[file] = (found.st_mtime_ns, found.st_size, found.st_ino)
+        return stamps
 
     def _drop(self, file: str) -> None:
         if file.endswith(_OUT):

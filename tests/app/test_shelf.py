@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 
 from app.commands.edit import open_editor
+from app.drive_files import FIRST, Kept, load_kept, save_kept
 from app.errors import PicturesDeletedError
 from app.profiles import load_setup_images
 from app.setup_steps import unseen
 from app.shelf import COMING, Shelf, ShelfError, name_taken, size_text
 from app.workbook import Workbook
+from core.centring import Centre
+from core.drive_presets import PRESETS
 from core.store import load
 from tests.app.test_editor import film, folder  # noqa: F401  fixtures
 
@@ -140,3 +143,13 @@ def test_setup_images_are_read_while_they_are_there(folder):  # noqa: F811
 )
 def test_sizes_are_told_shortly(size, text):
     assert size_text(size) == text
+
+
+def test_a_new_person_of_a_deleted_profiles_name_inherits_no_settings(shelf):
+    mine = PRESETS["Lively"][1]
+    centre = Centre(np.array([1.0, 0, 0, 0]), np.array([10.0, 0, 500.0]))
+    for name in ("me", "other"):
+        save_kept(name, "nora", Kept(mine, centre))
+    shelf.delete("me")
+    assert load_kept("me", "nora").settings == FIRST and load_kept("me", "nora").centre is None
+    assert load_kept("other", "nora").settings == mine

@@ -7,10 +7,13 @@ import pytest
 
 from app import workbook
 from app.first_fit import first_fit
+from app.replacing import ProfileChangedError
 from app.setup_steps import unseen
+from app.shelf import Shelf
 from app.workbook import Workbook
+from core.draft import Draft
 from core.landmark_edit import points_of
-from core.records import Landmarks2D
+from core.records import Landmarks2D, Progress
 from core.setup_plan import SHOTS
 from core.store import load
 from tests.app.test_editor import film, folder  # noqa: F401  fixtures
@@ -139,3 +142,127 @@ def test_before_the_first_training_a_face_is_fitted_and_profiles_are_guessed(tmp
     assert -280 < shift[0] < -60 and abs(shift[1]) < 40
     again = Workbook(tmp_path, nothing)
     assert not again.landmarks("pose_yaw-90").points_px.any()
+
+
+def trained_with(monkeypatch, folder, meanwhile=lambda: None):  # noqa: F811
+    """Let trainings learn nothing but the names; return the names of each."""
+    seen = []
+
+    def make_profile(model, pictures, focal_px, rng):
+        seen.append(pictures.images.names)
+        old, n = load(folder), len(pictures.images.names)
+        yield Progress(0, 1, "Training")
+        meanwhile()
+        fits = ("expressions", "rotations_wxyz", "translations_mm", "landmark_vertices", "rms_px")
+        shapes = ("points_mm", "rotations_wxyz", "translations_mm", "coefficients", "rms_px")
+        return replace(
+            old, names=pictures.images.names, standard=pictures.images.standard,
+            landmarks=pictures.landmarks, fit=resized(old.fit, fits, n),
+            shapes=resized(old.shapes, shapes, n),
+        ), pictures.images  # fmt: skip
+
+    monkeypatch.setattr(workbook, "make_profile", make_profile)
+    return seen
+
+
+def resized(record, names, n):
+    arrays = {name: getattr(record, name) for name in names}
+    return replace(record, **{k: np.resize(a, (n, *a.shape[1:])) for k, a in arrays.items()})
+
+
+def train(book):
+    return result_of(book.train(None, np.random.default_rng(0)))
+
+
+GREY = np.full((480, 640, 3), 99, np.uint8)
+
+
+def test_what_another_book_keeps_before_a_training_is_trained(
+    folder, landmarks, monkeypatch  # noqa: F811
+):  # fmt: skip
+    seen = trained_with(monkeypatch, folder)
+    editor, live = Workbook(folder, nothing), Workbook(folder, nothing)
+    live.put("live-0001", GREY, landmarks, {})
+    train(editor)
+    assert "live-0001" in seen[0] and "live-0001" in load(folder).names
+    assert np.array_equal(Workbook(folder, nothing).image("live-0001"), GREY)
+
+
+def test_what_another_book_keeps_or_changes_during_a_training_stays_in_the_draft(
+    folder, landmarks, monkeypatch  # noqa: F811
+):  # fmt: skip
+    editor, live = Workbook(folder, nothing), Workbook(folder, nothing)
+    editor.put("live-0001", GREY, landmarks, {})
+
+    def meanwhile():
+        live.put("live-0001", 255 - GREY, landmarks, {})
+        live.put("live-0002", GREY, landmarks, {})
+
+    trained_with(monkeypatch, folder, meanwhile)
+    train(editor)
+    assert Draft(folder).names() == ["live-0001", "live-0002"]
+    assert np.array_equal(editor.image("live-0001"), 255 - GREY)
+    assert editor.outdated and "live-0002" in editor.names
+
+
+def test_what_another_training_has_learned_is_in_the_next_one(
+    folder, landmarks, monkeypatch  # noqa: F811
+):  # fmt: skip
+    seen = trained_with(monkeypatch, folder)
+    editor, live = Workbook(folder, nothing), Workbook(folder, nothing)
+    live.put("live-0001", GREY, landmarks, {})
+    train(live)
+    editor.put(SHOT, GREY, landmarks, {})
+    train(editor)
+    assert {"live-0001", SHOT} <= set(seen[1])
+    assert {"live-0001", SHOT} <= set(load(folder).names) and not Draft(folder).names()
+
+
+@pytest.mark.parametrize("deletion", ["delete", "delete_pictures"])
+def test_a_training_brings_nothing_back_that_was_deleted_meanwhile(
+    folder, landmarks, monkeypatch, deletion  # noqa: F811
+):  # fmt: skip
+    shelf = Shelf(folder.parent)
+    trained_with(monkeypatch, folder, lambda: getattr(shelf, deletion)("me"))
+    with pytest.raises(ProfileChangedError, match="while something was made from it"):
+        train(Workbook(folder, nothing))
+    assert folder.exists() == (deletion == "delete_pictures")
+    assert not list(folder.rglob("*.png"))
+
+
+@pytest.mark.parametrize("deletion", ["delete", "delete_pictures"])
+def test_a_training_of_what_was_deleted_before_does_not_begin(
+    folder, monkeypatch, deletion  # noqa: F811
+):  # fmt: skip
+    seen = trained_with(monkeypatch, folder)
+    book = Workbook(folder, nothing)
+    getattr(Shelf(folder.parent), deletion)("me")
+    with pytest.raises(ProfileChangedError):
+        train(book)
+    assert seen == []
+
+
+def test_a_deleted_profile_that_was_never_trained_is_not_brought_back(
+    tmp_path, folder, landmarks, monkeypatch  # noqa: F811
+):  # fmt: skip
+    book, shelf = Workbook(folder.parent / "new", nothing), Shelf(folder.parent)
+    book.put(SHOT, GREY, landmarks, {})
+    trained_with(monkeypatch, folder, lambda: shelf.delete("new"))
+    with pytest.raises(ProfileChangedError, match="deleted"):
+        train(book)
+    assert not book.folder.exists()
+
+
+def test_a_window_sees_all_pictures_while_they_are_read_anew(folder, monkeypatch):  # noqa: F811
+    trained_with(monkeypatch, folder)
+    book = Workbook(folder, nothing)
+    names, seen = book.names, []
+    read = workbook.load_setup_images
+
+    def looked_at(*args):
+        seen.append((book.names, book.image(names[0]).shape))
+        return read(*args)
+
+    monkeypatch.setattr(workbook, "load_setup_images", looked_at)
+    train(book)
+    assert seen == [(names, (480, 640, 3))]
