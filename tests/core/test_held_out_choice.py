@@ -44,6 +44,19 @@ def test_of_a_video_every_fifth_frame_is_tested():
     assert held_out_rows(frames, 5) == [2, 7, 12, 17]
 
 
-def test_where_no_picture_is_for_testing_every_fifth_is():
-    few = [name for name in NAMES if name not in chosen(NAMES)][:10]
-    assert held_out_rows(few, 5) == [2, 7]
+def test_where_no_picture_is_for_testing_those_with_examples_are():
+    few = [name for name in NAMES if name not in chosen(NAMES)]
+    held = chosen(few)
+    assert len(held) == 4 and "pose_yaw+0" in held
+
+
+def test_where_no_picture_has_another_like_it_every_fifth_is_tested():
+    apart = [f"pose_yaw{turn}" for turn in ("-90", "-60", "-30", "+0", "+30", "+60", "+90")]
+    assert held_out_rows(apart, 5) == [2]
+
+
+def test_the_only_example_of_a_turn_or_an_expression_is_trained_on():
+    turned = ["pose_yaw-30", "pose_yaw+30", "pose_pitch-15", "pose_pitch+15"]
+    once = [name for name in NAMES if name.endswith("_yaw+0")]
+    held = chosen(once + turned)
+    assert set(held) == {"pose_yaw+0", "grin_yaw+0", "eyes_closed_yaw+0"}
