@@ -13,7 +13,7 @@ _SKIN_GLOSS, _WET_GLOSS = 0.34, 0.75
 #: Colour of what is inside the mouth and behind the lids, in people of every tone.
 _FLESH = (150, 78, 72)
 #: Rows mixed at a time: small enough to stay in the processor's cache.
-_BAND = 32
+_BAND = 16
 
 
 def skin_texture(folder: Path, looks: Looks, size_px: int = 2048) -> U8:
@@ -28,57 +28,84 @@ def skin_texture(folder: Path, looks: Looks, size_px: int = 2048) -> U8:
     out = np.empty((size_px, size_px, 4), np.uint8)
     for row in range(0, size_px, _BAND):
         band = {
-            name: picture[row : row + _BAND].astype(np.float32) / np.float32(255)
+            name: np.multiply(picture[row : row + _BAND], np.float32(1 / 255), dtype=np.float32)
             for name, picture in maps.items()
         }
-        out[row : row + _BAND] = _mixed(band, looks)
+        cv2.merge(_mixed(band, looks), out[row : row + _BAND])
     return out
 
 
-def _mixed(maps: dict[str, F32], looks: Looks) -> U8:
-    """Return the colour and oiliness where the maps (h, S) are."""
+def _mixed(maps: dict[str, F32], looks: Looks) -> list[U8]:
+    """Return red, green, blue and oiliness (h, S) where the maps (h, S) are."""
     color = _tinted(maps, looks)
-    _mix(color, linear(looks.lips), 0.92 * maps["lips"])
-    _mix(color, linear(_FLESH), 0.85 * maps["flesh"])
+    _mix(color, linear(looks.lips), 0.92, maps["lips"])
+    _mix(color, linear(_FLESH), 0.85, maps["flesh"])
     # The lips keep some of the skin's grain, in their own colour.
     grain = 0.35 * (maps["mottle"] - 0.5) + 0.32 * (maps["pores"] - 0.5)
-    color *= (1 + grain + 1.2 * looks.age * (maps["wrinkles"] - 0.5))[..., None]
+    color *= 1 + grain + 1.2 * looks.age * (maps["wrinkles"] - 0.5)
     _paint_hair(color, maps, looks)
     gloss = _SKIN_GLOSS + 0.2 * maps["blush"] + (_WET_GLOSS - _SKIN_GLOSS) * maps["lips"]
     gloss *= (1 - 0.5 * maps["scalp"]) * (1 - 0.6 * maps["brows"]) * (0.6 + 0.8 * maps["pores"])
-    out = np.concatenate([np.sqrt(np.clip(color, 0, 1)), gloss[..., None]], axis=-1)
-    return np.asarray(np.clip(255 * out + 0.5, 0, 255).astype(np.uint8))
+    np.sqrt(np.clip(color, 0, 1, out=color), out=color)
+    return [_grey_levels(plane) for plane in (*color, np.clip(gloss, 0, 1, out=gloss))]
+
+
+def _grey_levels(plane: F32) -> U8:
+    """Return values from 0 to 1 as grey levels; the plane is changed."""
+    plane *= 255
+    plane += 0.5
+    return plane.astype(np.uint8)
 
 
 def _tinted(maps: dict[str, F32], looks: Looks) -> F32:
-    """Return the bare skin: reddened, spotted, aged."""
+    """Return the bare skin (3, h, S), reddened, spotted, aged: a plane for each colour."""
     # Melanin hides blood: dark skin reddens less.
     pale = float(linear(looks.skin).mean()) ** 0.5
     blood = rgb(0.10, -0.34, -0.30) * (looks.blush * pale)
     patchy = rgb(0.06, -0.13, -0.11) * (0.8 + 1.4 * looks.age)
-    color = linear(looks.skin) * (1 - looks.age * rgb(0.02, 0.05, 0.09))
-    color = color * (1 + maps["blush"][..., None] * blood)
-    color *= 1 + (maps["mottle"] - 0.5)[..., None] * patchy
-    color *= 1 - maps["lids"][..., None] * rgb(0.10, 0.20, 0.17)
-    color *= 1 - (looks.freckles * maps["freckles"])[..., None] * rgb(0.45, 0.62, 0.72)
-    return np.asarray(color, np.float32)
+    bare = linear(looks.skin) * (1 - looks.age * rgb(0.02, 0.05, 0.09))
+    color = np.empty((3, *maps["blush"].shape), np.float32)
+    mottle = maps["mottle"] - 0.5
+    for plane, *values in zip(color, bare, blood, patchy, strict=True):
+        own, red, spotted = (float(value) for value in values)
+        np.multiply(maps["blush"], own * red, out=plane)
+        plane += own
+        plane *= 1 + spotted * mottle
+    _darken(color, rgb(0.10, 0.20, 0.17), maps["lids"])
+    _darken(color, rgb(0.45, 0.62, 0.72) * looks.freckles, maps["freckles"])
+    return color
 
 
 def _paint_hair(color: F32, maps: dict[str, F32], looks: Looks) -> None:
     """Paint scalp, beard shadow, brows and the roots of the lashes over the skin."""
     if looks.hair_style != "bald":
         roots = 0.55 * linear(looks.hair) + 0.1 * linear(looks.skin)
-        _mix(color, roots, 0.9 * maps["scalp"])
+        _mix(color, roots, 0.9, maps["scalp"])
     beard = 0.7 * linear(looks.brows) + 0.15 * linear(looks.skin) * rgb(0.7, 0.9, 1.0)
-    _mix(color, beard, 0.8 * looks.beard * maps["stubble"])
-    brows = np.clip(maps["brows"] * (0.35 + 0.8 * looks.brow_density), 0, 0.95)
-    _mix(color, linear(looks.brows), brows)
-    _mix(color, linear(looks.brows) * 0.3, 0.85 * looks.lashes * maps["lashline"])
+    _mix(color, beard, 0.8 * looks.beard, maps["stubble"])
+    _mix(color, linear(looks.brows), 0.35 + 0.8 * looks.brow_density, maps["brows"])
+    _mix(color, linear(looks.brows) * 0.3, 0.85 * looks.lashes, maps["lashline"])
 
 
-def _mix(color: F32, other: F32, share: F32) -> None:
-    """Move colours (h, S, 3) towards another by a share (h, S)."""
-    color += share[..., None] * (other - color)
+def _darken(color: F32, by: F32, where: F32) -> None:
+    """Take a share (3,) of each colour (3, h, S) away where a map (h, S) says so."""
+    columns = _painted(where)
+    for plane, share in zip(color[..., columns], by, strict=True):
+        plane *= 1 - float(share) * where[:, columns]
+
+
+def _mix(color: F32, other: F32, strength: float, where: F32) -> None:
+    """Move colours (3, h, S) towards another by a map (h, S) times its strength, 0.95 at most."""
+    columns = _painted(where)
+    share = np.minimum(float(strength) * where[:, columns], np.float32(0.95))
+    for plane, goal in zip(color[..., columns], other, strict=True):
+        plane += share * (float(goal) - plane)
+
+
+def _painted(where: F32) -> slice:
+    """Return the columns in which a map (h, S) is not empty: most cover little of the skin."""
+    columns = np.flatnonzero(where.any(axis=0))
+    return slice(int(columns[0]), int(columns[-1]) + 1) if len(columns) else slice(0)
 
 
 def _map(path: Path, size_px: int) -> U8:
