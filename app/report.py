@@ -6,7 +6,7 @@ from typing import Any
 
 from app.picture_names import title_of
 from app.report_change import change_rows
-from app.report_words import face_words, weak_words
+from app.report_words import face_words, verdict_words, weak_words
 
 #: [Cao13, table 1]: share of frames with RMSE under 3, 4.5 and 6 px.
 PAPER = {"3": 0.733, "4.5": 0.808, "6": 1.0}
@@ -19,10 +19,11 @@ STYLE = (
     "img{max-width:100%}.note{opacity:.75}</style>"
 )
 COMPARED = (
-    "All three are measured on the same pictures, which the training did not see, against the "
-    "face that was fitted to their points. The training-free mode gets the points found in the "
-    "very picture, so its distance in px is small by the way it is measured; its head angles are "
-    "not. What a training brings beside these figures is speed, steadiness, and a hold on "
+    "These figures are no race. All three are measured on the same pictures, which the training "
+    "did not see, against the face that was fitted to their points. The training-free mode gets "
+    "the points found in the very picture, and the fit follows the same points, so its distance "
+    "is small by the way it is measured; the training finds the points by itself, in pictures it "
+    "never saw. What a training brings beside these figures is speed, steadiness, and a hold on "
     "covered and turned faces."
 )
 
@@ -36,7 +37,10 @@ def report_html(name: str, report: Mapping[str, Any], links: bool = True) -> str
         links: Whether names of pictures are links that open them.
     """
     held: Mapping[str, Any] = report.get("held_out") or {}
-    parts = [f"<h2>{escape(name)}</h2>", _summary(report, held), _change(report)]
+    parts = [f"<h2>{escape(name)}</h2>"]
+    if held:
+        parts.append(f"<p><b>{escape(verdict_words(held, bool(report.get('free'))))}</b></p>")
+    parts += [_summary(report, held), _change(report)]
     if held:
         free = report.get("free") or {}
         parts += [_modes(held, free), _weak(report), _worst(report, held, links)]

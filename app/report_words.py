@@ -25,6 +25,38 @@ NAMES: dict[str, str] = {
 }  # fmt: skip
 
 
+#: Mean error in % of the eye distance -> how good that is.
+VERDICTS = (
+    (2.5, "The training went well"),
+    (5.0, "The training went fairly well; more pictures, or landmarks that you correct, make it "
+          "better"),
+)  # fmt: skip
+POOR = "The training is not exact yet: look at the landmarks, and take the worst pictures again"
+FREE = (
+    ". Do not compare that with the training-free mode, whose points come from the very picture "
+    "that it is tested on"
+)
+#: Fewer test pictures say little.
+FEW_TESTS = 6
+
+
+def verdict_words(held: Mapping[str, Any], compared: bool) -> str:
+    """Return in one sentence how good a profile is.
+
+    Args:
+        held: Figures of the test.
+        compared: Whether the report shows the training-free mode beside it.
+    """
+    share, n_tested = held["mean_percent_of_eye_distance"], held.get("pictures", 0)
+    verdict = next((text for most, text in VERDICTS if share <= most), POOR)
+    few = " – a rough figure, for so few pictures" if n_tested < FEW_TESTS else ""
+    return (
+        f"{verdict}: in {n_tested} pictures that it did not see, points are found within "
+        f"{held['mean_rmse_px']:.1f} px on average ({share:.1f} % of the eye distance){few}"
+        f"{FREE if compared else ''}."
+    )
+
+
 def face_words(face: str) -> str:
     """Return a prompted expression as people read it."""
     return "resting face" if face == "neutral" else face.replace("_", " ")

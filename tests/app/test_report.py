@@ -5,7 +5,7 @@ import re
 from app.picture_names import opposite, title_of
 from app.report import report_html, report_page
 from app.report_change import change_rows
-from app.report_words import NAMES, weak_words, without_side
+from app.report_words import NAMES, verdict_words, weak_words, without_side
 from core.arkit import EXPRESSION_NAMES
 
 UNDER = {"3": 0.98, "4.5": 1.0, "6": 1.0}
@@ -63,6 +63,19 @@ def test_the_report_says_how_good_it_is_beside_the_paper_and_without_training():
     assert rows["of the eye distance"][0] == "0.47 %"
     assert rows["head off by"][0] == "0.4° yaw, 0.5° pitch, 0.2° roll"
     assert rows["0-15°"] == ["0.63 px", "1.50°", "2.10 px", "40"]
+
+
+def test_one_sentence_at_the_top_says_how_good_it_is():
+    html = report_html("me", REPORT)
+    assert html.index("The training went well: in 12 pictures") < html.index("60 pictures")
+    assert "points come from the very picture" in html.split("</p>")[0]
+    assert "training-free" not in report_html("me", REPORT | {"free": {}}).split("</p>")[0]
+
+
+def test_the_sentence_goes_with_the_figures():
+    few = verdict_words(HELD | {"pictures": 3, "mean_percent_of_eye_distance": 3.4}, False)
+    assert "fairly well" in few and "rough figure" in few
+    assert "not exact" in verdict_words(HELD | {"mean_percent_of_eye_distance": 9.0}, False)
 
 
 def test_expressions_stand_in_the_order_of_their_errors_beside_the_training_free_mode():
