@@ -26,6 +26,8 @@ class TakeShelf(QObject):
         self.takes: list[Take] = []
         self._job: Job | None = None
         self._again, self._stopped = False, False
+        # Each trouble is told once, although it is looked for again and again.
+        self._told: set[str] = set()
 
     @property
     def busy(self) -> bool:
@@ -53,8 +55,10 @@ class TakeShelf(QObject):
             self._on_finished()
 
     def _on_read(self, found: Found) -> None:
-        self.takes, mended = found
+        self.takes, everything = found
         self.changed.emit()
+        mended = [one for one in everything if str(one) not in self._told]
+        self._told |= {str(one) for one in mended if isinstance(one, TakeError)}
         if mended:
             self.mended.emit(mended)
         if unfinished():

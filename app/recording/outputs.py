@@ -52,7 +52,10 @@ class Outputs:
         left = list(self._sinks)
         try:
             while left and error is None:
-                left.pop(0).finish()
+                left[0].finish()
+                left.pop(0)
+        except OSError as failed:
+            raise DiskError(reason(failed)) from None
         finally:
             for sink in left:
                 sink.discard()

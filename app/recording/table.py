@@ -1,6 +1,7 @@
 """A track as a table: one row per frame, for spreadsheets."""
 
 import csv
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -50,7 +51,9 @@ class Table:
 
     def discard(self) -> None:
         """Leave everything as it was before."""
-        self._file.close()
+        # What was not written yet finds no place on a full disk.
+        with suppress(OSError):
+            self._file.close()
         self._part.discard()
 
 

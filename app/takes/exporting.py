@@ -1,6 +1,7 @@
 """A take as files for other programs: arrays, a table, a film of the avatar."""
 
 from collections.abc import Callable, Generator
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from app.recording.outputs import Outputs
 from app.recording.sink import PartialFile
 from app.recording.table import Table
 from app.recording.video import letterboxed
-from app.takes.film import FilmReader, FilmWriter, blank
+from app.takes.film import FilmError, FilmReader, FilmWriter, blank
 from app.takes.library import Take, TakeError
 from app.takes.rows import Moment, Rows, moment_of, write_columns
 from core.camera import camera_for
@@ -107,14 +108,17 @@ def export_film(
         draw: Gives the avatar's picture (H, W, 4) of a moment and its frame; of any size.
 
     Raises:
-        TakeError, OutputError, FilmError: Nothing was written.
+        TakeError, OutputError, FilmError: Nothing was written; FilmError: the take's video cannot
+            be read.
     """
     rows, part = kept_rows(take), PartialFile(path)
-    reader = FilmReader(take.film) if take.film is not None else None
-    width, height = wish.size_px
-    wide = 2 * width if wish.beside else width
-    writer = FilmWriter(part.path, wish.fps, (wide, height))
-    try:
+    with ExitStack() as stack:
+        stack.callback(part.discard)
+        reader = FilmReader(take.film) if take.film is not None else None
+        if reader is not None:
+            stack.callback(reader.close)
+        writer = _writer(part, wish)
+        stack.callback(writer.close)
         turns = evenly(rows["play_s"], wish.fps)
         for number, turn in enumerate(turns):
             moment = moment_of(rows[turn])
@@ -125,12 +129,18 @@ def export_film(
         writer.close()
         _check_written(part.path, path)
         part.finish()
-    finally:
-        writer.close()
-        part.discard()
-        if reader is not None:
-            reader.close()
     return path
+
+
+def _writer(part: PartialFile, wish: FilmWish) -> FilmWriter:
+    width, height = wish.size_px
+    try:
+        return FilmWriter(part.path, wish.fps, (2 * width if wish.beside else width, height))
+    except FilmError:
+        raise TakeError(
+            f"cannot write {part.target}: OpenCV began no video there, expected MPEG-4 in a "
+            f"{FILM} file; choose another place, or a smaller picture"
+        ) from None
 
 
 def evenly(times_s: Rows, fps: float) -> list[int]:

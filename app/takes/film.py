@@ -20,17 +20,19 @@ from core.records import U8, Frame
 FILM_NAME = "video.mkv"
 #: What must stay free on the disk beside a video that is written anew.
 SPARE_BYTES = 64 << 20
+WRITE_ELSE = "OpenCV began none there, expected MPEG-4 in Matroska; record without video"
+READ_ELSE = (
+    "found none that OpenCV understands, expected MPEG-4 in Matroska; copy the take again from "
+    "where it is whole. Its states are not affected: they can be exported as a table or arrays"
+)
 
 
 class FilmError(AppError):
     """A take's video cannot be written or read."""
 
-    def __init__(self, path: Path, what: str) -> None:
+    def __init__(self, path: Path, what: str, way_out: str) -> None:
         self.path = path
-        super().__init__(
-            f"cannot {what} the video {path}: found none that OpenCV understands, expected MPEG-4 "
-            "in Matroska; the take's states are not affected: record without video"
-        )
+        super().__init__(f"cannot {what} the video {path}: {way_out}")
 
 
 class FilmWriter:
@@ -52,7 +54,7 @@ class FilmWriter:
         code = cv2.VideoWriter.fourcc(*"mp4v")
         self._writer = cv2.VideoWriter(str(path), code, fps, self._size_px)
         if not self._writer.isOpened():
-            raise FilmError(path, "write")
+            raise FilmError(path, "write", WRITE_ELSE)
 
     def write(self, rgb: U8) -> int:
         """Add a picture (H, W, 3); return its number in the video."""
@@ -78,7 +80,7 @@ class FilmReader:
         """
         self._capture = cv2.VideoCapture(str(path))
         if not self._capture.isOpened():
-            raise FilmError(path, "read")
+            raise FilmError(path, "read", READ_ELSE)
         self._next = 0
         self._last: tuple[int, U8] | None = None
 

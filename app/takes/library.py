@@ -9,13 +9,17 @@ takes/.NAME.part/        a take that is being recorded, or was when the program 
 import json
 import re
 import shutil
+import struct
+import zlib
+from contextlib import suppress
 from dataclasses import asdict, dataclass, fields, replace
 from datetime import datetime
 from pathlib import Path
+from tokenize import TokenError
 from typing import Any
 from zipfile import BadZipFile
 
-from app.errors import AppError
+from app.errors import AppError, OutputError
 from app.profiles import data_folder
 from app.recording.sink import PartialFile, reason
 from app.takes.film import FILM_NAME
@@ -24,6 +28,11 @@ from app.takes.rows import Rows, read_columns
 HEADER, TRACK = "take.json", "track.npz"
 FORMAT, SCHEMA = "facepuppet take", 1
 PART = ".part"
+#: What a damaged archive raises, by what is damaged: its list, its data, their headers.
+UNREADABLE = (
+    OSError, EOFError, BadZipFile, RuntimeError, struct.error, zlib.error,
+    KeyError, ValueError, TypeError, OverflowError, MemoryError, SyntaxError, TokenError,
+)  # fmt: skip
 
 
 class TakeError(AppError):
@@ -106,7 +115,7 @@ class Take:
         path = self.folder / TRACK
         try:
             return read_columns(path)
-        except (OSError, KeyError, ValueError, EOFError, BadZipFile):
+        except UNREADABLE:
             raise TakeError(
                 f"the take {self.name} is damaged: found no readable {path}, expected the states; "
                 "copy the take again from where it is whole, or delete it"
@@ -136,18 +145,6 @@ def read_take(folder: Path) -> Take | None:
     return Take(folder, facts, sum(path.stat().st_size for path in folder.iterdir()))
 
 
-def take_named(name: str) -> Take:
-    """Return a take by its name.
-
-    Raises:
-        TakeError: There is none.
-    """
-    take = read_take(takes_folder() / name)
-    if take is None:
-        raise TakeError(f"found no take {name!r} in {takes_folder()}; choose one of the list")
-    return take
-
-
 def read_facts(folder: Path) -> TakeFacts | None:
     """Return what take.json tells, None where there is none of a version we know."""
     try:
@@ -173,8 +170,14 @@ def write_facts(folder: Path, facts: TakeFacts) -> None:
     """
     part = PartialFile(folder / HEADER)
     told = {"format": FORMAT, "schema": SCHEMA, "name": visible_name(folder)} | asdict(facts)
-    part.path.write_text(json.dumps(told, indent=1), encoding="utf-8")
-    part.finish()
+    try:
+        part.path.write_text(json.dumps(told, indent=1), encoding="utf-8")
+        part.finish()
+    except OSError as error:
+        raise OutputError(part.target, reason(error)) from None
+    finally:
+        with suppress(OSError):
+            part.discard()
 
 
 def visible_name(folder: Path) -> str:
@@ -199,7 +202,7 @@ def renamed(take: Take, name: str) -> Take:
     """Give a take another name.
 
     Raises:
-        TakeError: The name is taken, or is none.
+        TakeError: The name is taken, or is none, or cannot be written; the old one stays.
     """
     trouble = name_trouble(name)
     if not trouble and name != take.name and (take.folder.parent / name).exists():
@@ -209,9 +212,13 @@ def renamed(take: Take, name: str) -> Take:
     target = take.folder.parent / name
     try:
         take.folder.rename(target)
-        write_facts(target, take.facts)
     except OSError as error:
         raise TakeError(f"cannot rename the take {take.name}: {reason(error)}") from None
+    try:
+        write_facts(target, take.facts)
+    except OutputError as error:
+        target.rename(take.folder)
+        raise TakeError(f"cannot rename the take {take.name}: {error}") from None
     return replace(take, folder=target)
 
 

@@ -156,9 +156,11 @@ def read_columns(path: Path) -> Rows:
     """Return the rows (N,) of a file that `write_columns` wrote.
 
     Raises:
-        OSError, KeyError, ValueError, BadZipFile: It is not such a file.
+        OSError, KeyError, ValueError, BadZipFile and what else zipfile and numpy make of damage:
+            It is not such a file.
     """
-    with np.load(path, allow_pickle=False) as stored:
+    # numpy does not close what it opened where the archive is damaged.
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
         rows = np.zeros(len(stored["time_s"]), ROW)
         for name in ROW.names or ():
             rows[name] = stored[name]

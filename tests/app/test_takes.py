@@ -1,11 +1,13 @@
 """Facts about takes on the disk: written while they happen, whole whatever happens next."""
 
+import io
 import json
 import os
 import threading
 import time
 from dataclasses import replace
 from datetime import datetime
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -27,7 +29,6 @@ from app.takes.library import (
     name_trouble,
     part_folder,
     renamed,
-    take_named,
     takes,
     takes_folder,
     with_trim,
@@ -401,7 +402,7 @@ def test_takes_are_listed_the_newest_first_and_what_is_none_is_left_out():
 def test_a_take_is_renamed_trimmed_and_deleted():
     take = with_trim(recorded(), (0.1, 0.3))
     take = renamed(take, "my best one (2)")
-    again = take_named("my best one (2)")
+    (again,) = takes()
     assert again.range_s == (0.1, 0.3) and again.facts == take.facts
     assert json.loads((again.folder / HEADER).read_text())["name"] == "my best one (2)"
     other = recorded()
@@ -411,8 +412,6 @@ def test_a_take_is_renamed_trimmed_and_deleted():
         renamed(other, "../up")
     delete(again)
     assert [one.name for one in takes()] == [other.name]
-    with pytest.raises(TakeError, match="found no take"):
-        take_named("my best one (2)")
 
 
 @pytest.mark.parametrize("name", ["", ".hidden", "a/b", "end ", "a\\b", "..", "con?"])
@@ -429,6 +428,51 @@ def test_a_damaged_take_says_so():
     (take.folder / "track.npz").write_bytes(b"nonsense")
     with pytest.raises(TakeError, match="damaged"):
         take.rows()
+
+
+@pytest.mark.parametrize("call", ["write_text", "replace"])
+def test_what_cannot_be_kept_of_a_take_is_an_error_that_leaves_it_as_it_was(monkeypatch, call):
+    take = recorded()
+    before = sorted(take.folder.rglob("*")), (take.folder / HEADER).read_text()
+    place = "os.replace" if call == "replace" else "pathlib.Path.write_text"
+    with monkeypatch.context() as patch:
+        patch.setattr(place, fail_to_write)
+        with pytest.raises(OutputError, match="no space"):
+            with_trim(take, (0.1, 0.2))
+        with pytest.raises(TakeError, match="cannot rename"):
+            renamed(take, "other")
+    assert before == (sorted(take.folder.rglob("*")), (take.folder / HEADER).read_text())
+    assert [one.name for one in takes()] == [take.name]
+
+
+def test_a_take_damaged_anywhere_says_so_or_is_read():
+    take = recorded(6, video=False)
+    path, rng = take.folder / "track.npz", np.random.default_rng(7)
+    whole, said = path.read_bytes(), 0
+    for number in range(400):
+        bad = bytearray(whole)
+        # The list of what is in the archive is at its end.
+        first = 0 if number % 2 else len(whole) - 3000
+        for at in rng.integers(first, len(whole), 4):
+            bad[at] = rng.integers(256)
+        path.write_bytes(bad if number % 8 else bad[: rng.integers(len(bad))])
+        try:
+            take.rows()
+        except TakeError as error:
+            assert "damaged" in str(error)
+            said += 1
+    assert said > 200
+
+
+def test_a_film_that_cannot_be_begun_names_the_file_and_leaves_nothing(tmp_path, monkeypatch):
+    take, closed = recorded(), []
+    close = FilmReader.close
+    monkeypatch.setattr(FilmReader, "close", lambda self: (closed.append(1), close(self)))
+    monkeypatch.setattr(film_module.cv2, "VideoWriter", Shut)
+    with pytest.raises(TakeError) as told:
+        result_of(export_film(take, tmp_path / "a.mp4", FilmWish(SIZE), lambda *_: None))
+    assert str(tmp_path / "a.mp4") in str(told.value) and "Matroska" not in str(told.value)
+    assert not list(tmp_path.glob(".a*")) and closed == [1]
 
 
 def test_exported_arrays_are_those_between_the_trim_marks(tmp_path):
@@ -449,6 +493,29 @@ def test_an_exported_table_tells_what_was_asked_for_from_time_zero(tmp_path, dri
     assert float(last[header.index("time_s")]) == pytest.approx(0.1)
     share = float(first[header.index("jawOpen")])
     assert share == pytest.approx(0.06 if driven else 0.03)
+
+
+@pytest.mark.parametrize("shut", [True, False])
+def test_a_table_on_a_full_disk_is_an_error_that_leaves_what_was_there(tmp_path, monkeypatch, shut):
+    take, path = recorded(), tmp_path / "a.csv"
+    path.write_text("old")
+    really_open = Path.open
+    monkeypatch.setattr(
+        Path,
+        "open",
+        lambda self, mode="r", **more: (
+            FullFile() if mode == "w" else really_open(self, mode, **more)
+        ),
+    )
+    steps = export_table(take, path, driven=True)
+    if shut:
+        with pytest.raises(AppError, match="no space"):
+            result_of(steps)
+    else:
+        next(steps)
+        steps.close()
+    monkeypatch.undo()
+    assert path.read_text() == "old" and not list(tmp_path.glob(".a*"))
 
 
 def test_an_exported_film_keeps_the_time_although_frames_are_missing(tmp_path):
@@ -556,6 +623,27 @@ def test_recording_where_nothing_can_be_written_is_an_error(home):
         Recording()
 
 
+class FullFile(io.StringIO):
+    """A file that finds no room when it is closed, for the first time."""
+
+    def close(self):
+        if not self.closed:
+            super().close()
+            fail_to_write()
+
+
+class Shut:
+    """A video that cannot be written."""
+
+    fourcc = cv2.VideoWriter.fourcc
+
+    def __init__(self, *_):
+        pass
+
+    def isOpened(self):
+        return False
+
+
 def abandon(part):
     """Let a recording have been silent for long."""
     old = time.time() - SILENT_S - 1
@@ -590,7 +678,7 @@ def wait_for(done, seconds=10.0):
         time.sleep(0.01)
 
 
-def fail_to_write(*_):
+def fail_to_write(*_, **__):
     raise OSError(28, "No space left on device")
 
 
