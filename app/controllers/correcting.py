@@ -1,5 +1,6 @@
 """This frame is wrong: put right in the editor, learned in the background, used without a stop."""
 
+import sys
 from collections.abc import Generator
 
 from PySide6.QtCore import QObject
@@ -34,6 +35,9 @@ NO_PROFILE = (
 )
 SETUP = Choice("correct.setup", "Set up my face…", "The guided setup makes a profile")
 LEARN = Choice("correct.learn", "Learn now", "Train the profile in the background")
+AGAIN = Choice("correct.again", "Try again", "Keep what could not be kept")
+NOT_KEPT = "{number} not kept yet: {error}"
+LOST = "facepuppet: a correction of the profile {profile} is lost: {error}"
 KEPT = "The frame is kept as {name}. The profile {profile} learns it in the background."
 QUEUED = "The frame is kept as {name}, and learned after the training that is going on."
 BROKEN = (
@@ -65,6 +69,8 @@ class CorrectingController(QObject):
         self._trainer = ProfileMaker(self)
         # To be kept, the first one at once; and profiles that have something to learn.
         self._kept: list[Correction] = []
+        # Those that could not be kept, until the user tries again or the window is closed.
+        self._failed: list[Correction] = []
         self._untrained: list[str] = []
         # `_told`: whether the user knows how the training ended.
         self._ending, self._told = False, True
@@ -117,8 +123,8 @@ class CorrectingController(QObject):
         self._trainer.finished.connect(self._on_training_finished)
         self.row.cancel_wanted.connect(self._on_cancel)
         self._trainer.failed.connect(self._on_training_failed)
-        for maker in (self._preparer, self._keeper):
-            maker.failed.connect(self._on_failed)
+        self._preparer.failed.connect(self._on_failed)
+        self._keeper.failed.connect(self._on_not_kept)
 
     def _on_solved(self, result: LiveResult) -> None:
         self._result = result
@@ -132,6 +138,10 @@ class CorrectingController(QObject):
         elif key == LEARN.key and self._controller.wanted.profile:
             self._untrained.append(self._controller.wanted.profile)
             self._train_next()
+        elif key == AGAIN.key:
+            again, self._failed = self._failed, []
+            self._kept += again
+            self._keep_next()
 
     def _offer_to_learn(self, profile: str) -> None:
         """Offer to learn what was kept before the program ended."""
@@ -143,6 +153,11 @@ class CorrectingController(QObject):
 
     def _on_failed(self, error: CoreError | AppError) -> None:
         self._window.message_bar.tell(str(error))
+
+    def _on_not_kept(self, error: CoreError | AppError) -> None:
+        number = len(self._failed)
+        noun = "1 correction is" if number == 1 else f"{number} corrections are"
+        self._window.message_bar.offer(NOT_KEPT.format(number=noun, error=error), [AGAIN])
 
     # -- the editor ----------------------------------------------------------------------
 
@@ -187,8 +202,9 @@ class CorrectingController(QObject):
     def _keep_steps(self, one: Correction) -> Generator[Progress, None, tuple[str, str]]:
         try:
             name = yield from self._tools.keep(one)
-        except (CoreError, AppError):
+        except Exception:
             self._kept.remove(one)
+            self._failed.append(one)
             raise
         # At once, for the window may be closed before the signal comes.
         self._kept.remove(one)
@@ -242,9 +258,17 @@ class CorrectingController(QObject):
         self._preparer.stop()
         self._trainer.stop()
         self._keeper.stop()
-        for one in self._kept:
+        for one in (*self._failed, *self._kept):
+            self._keep_at_last(one)
+
+    def _keep_at_last(self, one: Correction) -> None:
+        """Keep a correction while the window closes; one that cannot be costs no other."""
+        try:
             for _ in self._tools.keep(one):
                 pass
+        except (CoreError, AppError, OSError) as error:
+            # No window is there to tell it.
+            sys.stderr.write(LOST.format(profile=one.profile, error=error) + "\n")
 
 
 def _no_training(book: Workbook) -> Generator[Progress, None, object]:

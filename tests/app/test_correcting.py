@@ -279,6 +279,42 @@ def test_a_correction_that_cannot_be_kept_is_told_and_nothing_is_trained(open_de
     assert not desk.workshop.trained and desk.workshop.at_once == 0
 
 
+def test_a_correction_that_could_not_be_kept_is_kept_when_tried_again(open_desk_with):
+    desk = open_desk_with()
+    desk.live()
+    desk.workshop.keep_error = ProfileUnwritableError("anna", "no space left")
+    desk.use()
+    desk.until(lambda: "1 correction is not kept yet" in desk.window.message_bar.text)
+    desk.until(lambda: not desk.correcting.busy)
+    desk.workshop.keep_error = None
+    [again] = desk.window.message_bar.buttons
+    assert again.text() == "Try again"
+    again.click()
+    desk.until(lambda: desk.correcting.row.text.startswith("Training"))
+    assert len(desk.workshop.kept) == 1
+    desk.workshop.gate.set()
+    desk.until(lambda: "has learned" in desk.window.message_bar.text)
+
+
+def test_a_correction_that_cannot_be_kept_at_the_end_costs_no_other(open_desk_with, film, capsys):  # noqa: F811
+    desk = open_desk_with()
+    desk.live()
+    rgb, marks = np.zeros((480, 640, 3), np.uint8), film.landmarks[1]
+    one, gone, other = (Correction(name, rgb, marks, marks) for name in ("anna", "gone", "bert"))
+    keep = desk.workshop.keep
+
+    def keep_or_fail(correction):
+        if correction is gone:
+            raise ProfileUnwritableError("gone", "no such folder")
+        return keep(correction)
+
+    desk.workshop.keep = keep_or_fail
+    desk.correcting._failed, desk.correcting._kept = [one], [gone, other]
+    desk.window.close()
+    assert desk.workshop.kept == [one, other]
+    assert "a correction of the profile gone is lost" in capsys.readouterr().err
+
+
 def test_another_profile_chosen_meanwhile_is_not_replaced(open_desk_with):
     desk = open_desk_with()
     desk.live()
