@@ -134,7 +134,7 @@ class LiveTracker:
         self._points_mm: FloatArray | None = None
         self._look: Look | None = None
         self._since_check, self._pause, self._usual = 0, 1, _USUAL
-        self._last = resting_state("trained")
+        self._last, self._seen_s = resting_state("trained"), -np.inf
 
     @property
     def camera(self) -> Camera:
@@ -177,6 +177,7 @@ class LiveTracker:
         """
         self._fit_frame(frame)
         self.reset()
+        self._seen_s = frame.time_s
         recovered = self._recovered(landmarks)
         if recovered is not None:
             self._look = self._begin(frame, landmarks, recovered)
@@ -195,8 +196,9 @@ class LiveTracker:
         """Return the face in a frame; `lost` and the last good state where there is none."""
         self._fit_frame(frame)
         self._look = None
-        if frame.time_s - self._last.time_s > self._settings.gap_s:
+        if frame.time_s - self._seen_s > self._settings.gap_s:
             self.reset()
+        self._seen_s = frame.time_s
         found = self._continue(frame) or self._start(frame)
         if found is None:
             self._last = replace(self._last, time_s=frame.time_s, confidence=0.0, lost=True)

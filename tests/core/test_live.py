@@ -301,3 +301,13 @@ def test_after_a_gap_of_minutes_the_face_is_looked_for_anew():
     fresh = Stage()
     fresh.put(stage.face)
     assert state.expression == pytest.approx(fresh.film().expression, abs=1e-9)
+
+
+def test_a_face_handed_over_late_on_the_clock_is_followed_without_another_search():
+    stage = Stage()
+    stage.time_s = 10_000.0
+    frame = stage.user.frame(stage.face, stage.time_s)
+    look = stage.tracker.begin_at(frame, stage.user.alignment(stage.face, stage.camera).landmarks)
+    assert look is not None and look.agrees
+    assert not stage.film().lost
+    assert stage.followed == []
