@@ -1,8 +1,8 @@
 """Panels beside the pictures: hidden at first, in the menu, moved and closed as the user likes."""
 
-from PySide6.QtCore import QObject, Qt
+from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QAction, QKeySequence
-from PySide6.QtWidgets import QDockWidget, QMainWindow, QMenu, QWidget
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QMenu, QTabBar, QWidget
 
 FIRST_HEIGHT_PX = 190
 AREAS = {
@@ -19,6 +19,25 @@ class Panels(QObject):
         super().__init__(window)
         self._window, self._menu = window, menu
         self._docks: dict[str, QDockWidget] = {}
+        window.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Look after the tabs when the window is shown, or has got new ones."""
+        if event.type() in (QEvent.Type.Show, QEvent.Type.ChildPolished):
+            self.tidy()
+        return False
+
+    def tidy(self) -> None:
+        """Name the rows of tabs, and put those of hidden panels out of sight.
+
+        Qt shows a row of tabs that it has not laid out yet over the menus.
+        """
+        seen = {dock.windowTitle() for dock in self._docks.values() if not dock.isHidden()}
+        direct = Qt.FindChildOption.FindDirectChildrenOnly
+        for bar in self._window.findChildren(QTabBar, options=direct):
+            bar.setAccessibleName("Panels at this place")
+            if seen.isdisjoint(bar.tabText(place) for place in range(bar.count())):
+                bar.move(-2 * bar.width(), -2 * bar.height())
 
     def add(
         self, key: str, title: str, widget: QWidget, shortcut: str = "", area: str = "right"

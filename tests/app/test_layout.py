@@ -4,7 +4,7 @@ import json
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
-from PySide6.QtWidgets import QApplication, QLabel
+from PySide6.QtWidgets import QApplication, QLabel, QTabBar
 
 from app.controllers.desk import open_desk
 from app.views.avatar_window import AvatarWindow
@@ -169,6 +169,14 @@ def test_a_panel_is_in_the_menu_hidden_at_first_and_has_its_key(desk, qtbot):
     other.trigger()
     # Both share a place, as tabs: the pictures keep their room.
     assert window.tabifiedDockWidgets(window.panels.dock("notes"))
+
+
+def test_no_tab_covers_the_menus_while_all_panels_are_hidden(desk):
+    desk().close()
+    window = desk()
+    bars = [bar for bar in window.findChildren(QTabBar) if bar.parent() is window]
+    assert bars and all(bar.accessibleName() for bar in bars)
+    assert not [bar for bar in bars if bar.isVisible() and bar.geometry().intersects(window.rect())]
 
 
 def test_the_list_of_keys_names_every_entry_of_the_menus_with_a_key(desk, qtbot):
