@@ -20,6 +20,8 @@ from core.records import F32, U8, Camera, FloatArray, freeze
 #: Where a patch is read, from the eye's middle: x towards the subject's left, y down.
 XS_MM: FloatArray = np.linspace(-13.0, 13.0, 14)
 YS_MM: FloatArray = np.linspace(-6.5, 6.5, 8)
+#: Readings that are averaged for a pixel lie so far apart: the noise of one picture is less then.
+APART_MM = 1.0
 PATCH_PIXELS = len(XS_MM) * len(YS_MM)
 #: The patch's plane is this part of the eyeball's radius before the eyeball's centre.
 PLANE = 0.95
@@ -85,7 +87,9 @@ class EyeReading:
         """
         out, reader = np.empty((2, 2)), self._reader
         for eye in range(2):
-            read_eye(gray, self._camera, pose, self._middles[eye], XS_MM, YS_MM, self._patch)
+            read_eye(
+                gray, self._camera, pose, self._middles[eye], XS_MM, YS_MM, APART_MM, self._patch
+            )
             level_patch(self._patch, LEAST_SPREAD)
             eye_direction(
                 self._patch, reader.examples[eye], reader.narrowness, reader.weights[eye], out[eye]

@@ -72,7 +72,7 @@ class EyeTrainSettings:
     noise: float = 2.0
     examples: int = 300
     narrowness: float = 0.06
-    ridge: float = 1.0
+    ridge: float = 3.0
     linear: float = 0.1
     least_eyes: int = 6
 
@@ -194,7 +194,7 @@ def eye_picture(
     middle = patch_middles(pictures.centers_mm, pictures.radii_mm)[eye]
     grey = np.empty(_X.size, np.float32)
     numbers = camera_numbers(pictures.camera)
-    read_eye(pictures.gray[n], numbers, pose, middle, _FINE_X, _FINE_Y, grey)
+    read_eye(pictures.gray[n], numbers, pose, middle, _FINE_X, _FINE_Y, 0.0, grey)
     lids_mm = _on_plane(landmarks.points_px[_LIDS[eye]], pictures.camera, pose, middle)
     looks = pupil_directions(shapes.points_mm[n, -2:], pose, pictures.centers_mm, pictures.radii_mm)
     return EyePicture(

@@ -28,6 +28,7 @@ class GazeSettings:
         limit_rad: Largest yaw and pitch.
         cutoff_hz: Low-pass cutoff of a resting eye.
         cutoff_per_speed: Added per rad/s of eye speed: saccades pass at once.
+        tremble: Speed in rad/s that the noise of a resting eye makes, which adds nothing.
         longest_step_s: After a longer gap the filter starts anew.
     """
 
@@ -38,6 +39,7 @@ class GazeSettings:
     limit_rad: float = 0.7
     cutoff_hz: float = 1.0
     cutoff_per_speed: float = 5.0
+    tremble: float = 0.3
     longest_step_s: float = 0.25
 
 
@@ -126,4 +128,4 @@ class GazeFilter:
             self._gaze_rad[:], self._speed[:] = self._wanted_rad, 0
             return
         cutoffs = openness * np.array([settings.cutoff_hz, settings.cutoff_per_speed])
-        move_gaze(self._wanted_rad, gap_s, cutoffs, self._gaze_rad, self._speed)
+        move_gaze(self._wanted_rad, gap_s, cutoffs, settings.tremble, self._gaze_rad, self._speed)

@@ -14,25 +14,32 @@ def read_eye(
     middle: FloatArray,  # (3,) of the patch, head frame
     xs: FloatArray,  # (X,) mm from the middle
     ys: FloatArray,  # (Y,)
+    apart: float,  # mm between the readings that are averaged, 2 by 2; 0 reads once
     out: F32,  # (Y * X,) grey levels, row by row
 ) -> None:
     """Read a patch that lies before an eye, parallel to the face; the border pixel goes on."""
     height, width = image.shape
     # The last row and column are reached only to 1/100 px, so that x + 1 stays inside.
     last_x, last_y = width - 1.01, height - 1.01
+    readings = 2 if apart > 0 else 1
     for j in range(ys.size):
         for i in range(xs.size):
-            a, b, c = middle[0] + xs[i], middle[1] + ys[j], middle[2]
-            depth = pose[2, 0] * a + pose[2, 1] * b + pose[2, 2] * c + pose[3, 2]
-            x = pose[0, 0] * a + pose[0, 1] * b + pose[0, 2] * c + pose[3, 0]
-            y = pose[1, 0] * a + pose[1, 1] * b + pose[1, 2] * c + pose[3, 1]
-            x = min(max(camera[0] * x / depth + camera[1], 0.0), last_x)
-            y = min(max(camera[0] * y / depth + camera[2], 0.0), last_y)
-            column, row = int(x), int(y)
-            right, down = x - column, y - row
-            upper = (1 - right) * image[row, column] + right * image[row, column + 1]
-            lower = (1 - right) * image[row + 1, column] + right * image[row + 1, column + 1]
-            out[j * xs.size + i] = (1 - down) * upper + down * lower
+            total = 0.0
+            for k in range(readings * readings):
+                a = middle[0] + xs[i] + apart * (k % readings - 0.5 * (readings - 1))
+                b = middle[1] + ys[j] + apart * (k // readings - 0.5 * (readings - 1))
+                c = middle[2]
+                depth = pose[2, 0] * a + pose[2, 1] * b + pose[2, 2] * c + pose[3, 2]
+                x = pose[0, 0] * a + pose[0, 1] * b + pose[0, 2] * c + pose[3, 0]
+                y = pose[1, 0] * a + pose[1, 1] * b + pose[1, 2] * c + pose[3, 1]
+                x = min(max(camera[0] * x / depth + camera[1], 0.0), last_x)
+                y = min(max(camera[0] * y / depth + camera[2], 0.0), last_y)
+                column, row = int(x), int(y)
+                right, down = x - column, y - row
+                upper = (1 - right) * image[row, column] + right * image[row, column + 1]
+                lower = (1 - right) * image[row + 1, column] + right * image[row + 1, column + 1]
+                total += (1 - down) * upper + down * lower
+            out[j * xs.size + i] = total / (readings * readings)
 
 
 @numba.njit(cache=True, nogil=True)

@@ -62,6 +62,7 @@ def move_gaze(
     wanted: FloatArray,  # (2, 2)
     step_s: float,
     cutoffs: FloatArray,  # (2,) cutoff_hz, cutoff_per_speed; both scaled by the openness
+    tremble: float,  # rad/s that noise alone makes
     gaze: FloatArray,  # (2, 2) filtered, changed
     speed: FloatArray,  # (2, 2) changed
 ) -> None:
@@ -74,7 +75,9 @@ def move_gaze(
             speed[eye, axis] += 0.5 * (ahead - speed[eye, axis])
             square += speed[eye, axis] ** 2
         fastest = max(fastest, np.sqrt(square))
-    share = 1.0 - np.exp(-2.0 * np.pi * (cutoffs[0] + cutoffs[1] * fastest) * step_s)
+    share = 1.0 - np.exp(
+        -2.0 * np.pi * (cutoffs[0] + cutoffs[1] * max(fastest - tremble, 0.0)) * step_s
+    )
     for eye in range(2):
         for axis in range(2):
             gaze[eye, axis] += share * (wanted[eye, axis] - gaze[eye, axis])
