@@ -187,10 +187,17 @@ def run_checks() -> int:
         if call(command, cwd=ROOT, **extra) != 0:
             failed.append(name)
     say("== tests")
-    code = run_pytest([])
+    code = run_pytest(side_by_side())
     if failed:
         say(f"not content: {', '.join(failed)} (see above)")
     return code or int(bool(failed))
+
+
+def side_by_side() -> list[str]:
+    """Return the options that let several processes share the test files."""
+    workers = min(os.cpu_count() or 1, 4)
+    # Times taken side by side say nothing, and the benchmarks' plugin would complain.
+    return ["-p", "no:benchmark", "-n", str(workers), "--dist", "loadfile"]
 
 
 def run_pytest(arguments: list[str]) -> int:

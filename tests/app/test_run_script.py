@@ -91,7 +91,8 @@ def test_all_checks_run_before_the_tests_and_one_failure_is_enough(checkout, mon
     assert run.main(["test"]) == 1
     names = [command[0].rsplit("/")[-1].removesuffix(".exe") for command in calls[2:]]
     assert names == ["ruff", "ruff", "lint-imports", "mypy", "python", "python"]
-    assert calls[-1][1:] == ["-m", "pytest"]
+    assert calls[-1][1:3] == ["-m", "pytest"]
+    assert calls[-1][-2:] == ["--dist", "loadfile"]
     assert capsys.readouterr().err.endswith("not content: mypy (see above)\n")
 
 
