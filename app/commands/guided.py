@@ -26,7 +26,9 @@ def show_setup(profile: str, source: str = "") -> int:
     application.setApplicationName("facepuppet")
     window, controller = open_setup(source)
     shown = [window]
-    controller.live_wanted.connect(lambda name: shown.append(go_live(shown.pop(), name)))
+    controller.live_wanted.connect(
+        lambda name: shown.append(go_live(shown.pop(), name, controller.source))
+    )
     window.show()
     controller.start(profile)
     before = signal.signal(signal.SIGINT, lambda *_: application.closeAllWindows())
@@ -36,8 +38,8 @@ def show_setup(profile: str, source: str = "") -> int:
         signal.signal(signal.SIGINT, before)
 
 
-def go_live(setup_window: Any, profile: str) -> Any:
-    """Show the live window with a profile in place of the setup's; return it."""
+def go_live(setup_window: Any, profile: str, source: str = "") -> Any:
+    """Show the live window with a profile and a source in place of the setup's; return it."""
     from app.controllers.desk import open_desk
     from app.controllers.toolbox import Toolbox
 
@@ -45,6 +47,8 @@ def go_live(setup_window: Any, profile: str) -> Any:
     window.show()
     setup_window.close()
     controller.start()
+    if source:
+        window.source_chosen.emit(source)
     window.profile_chosen.emit(profile)
     return window
 

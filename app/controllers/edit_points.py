@@ -75,19 +75,27 @@ class Hand:
         """Return the landmarks with the held points, or else all, as they were found."""
         return taken_from(landmarks, found, self.selected or range(N_POINTS))
 
-    def told(self, landmarks: Landmarks2D, names: tuple[str, ...]) -> str:
-        """Return what is held, for people."""
+    def told(self, landmarks: Landmarks2D, found: Landmarks2D, names: tuple[str, ...]) -> str:
+        """Return what is held, for people.
+
+        Args:
+            landmarks: As they are now.
+            found: As the program found them; pupils elsewhere are the user's.
+            names: Of all points.
+        """
         if not self.selected:
             return "Nothing. Click a point, or drag a box around some."
         if len(self.selected) > 1:
             return f"{len(self.selected)} points"
         (index,) = self.selected
         x, y = points_of(landmarks)[index]
-        return f"<b>{names[index]}</b><br>at {x:.1f}, {y:.1f}<br>{_state(landmarks, index)}"
+        return f"<b>{names[index]}</b><br>at {x:.1f}, {y:.1f}<br>{_state(landmarks, found, index)}"
 
 
-def _state(landmarks: Landmarks2D, index: int) -> str:
+def _state(landmarks: Landmarks2D, found: Landmarks2D, index: int) -> str:
     if index >= len(landmarks.points_px):
+        if not np.array_equal(points_of(landmarks)[index], points_of(found)[index]):
+            return "placed by you"
         sure = landmarks.pupil_confidence[index - len(landmarks.points_px)]
         return f"found, {100 * sure:.0f} % sure"
     if hidden(landmarks)[index]:

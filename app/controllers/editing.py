@@ -52,6 +52,7 @@ class EditorController(QObject):
         self._history, self._hand = EditHistory(), Hand()
         self._order: list[str] = []
         self._suspicions: dict[str, Suspicion] = {}
+        self._found: dict[str, Landmarks2D] = {}
         self._name, self._look = "", (0, 0)
         self._maker = ProfileMaker(self)
         self._waiting: list[str] = []
@@ -144,7 +145,17 @@ class EditorController(QObject):
                 self._fitted(marks),
             )
         )
-        self._window.panel.point_label.setText(self._hand.told(marks, POINT_NAMES))
+        told = self._hand.told(marks, self._as_found(marks), POINT_NAMES)
+        self._window.panel.point_label.setText(told)
+
+    def _as_found(self, marks: Landmarks2D) -> Landmarks2D:
+        """Return the points as they were found, as far as what is held needs them."""
+        if not any(index >= len(marks.points_px) for index in self._hand.selected):
+            return marks
+        if self._name not in self._found:
+            # To look again takes longer than a drag has time.
+            self._found[self._name] = self._book.automatic(self._name)
+        return self._found[self._name]
 
     def _fitted(self, marks: Landmarks2D) -> FittedModel | None:
         if not self._window.panel.model_box.isChecked() or not is_placed(marks):

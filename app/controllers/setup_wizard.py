@@ -25,6 +25,8 @@ from core.landmark_refit import Refitter
 from core.pipeline import LEAST_PICTURES
 from core.records import Progress
 
+#: What the virtual performer plays in the live window, where nobody prompts.
+LIVE_PERFORMER = "performer:mixed"
 #: What to say of a profile without pictures.
 DELETED = (
     "The pictures of {name} were deleted: there are no landmarks to look at. The trained model is "
@@ -98,6 +100,13 @@ class SetupController(QObject):
     def editor(self) -> EditorController | None:
         """What is at work on the page of the landmarks."""
         return self._editor
+
+    @property
+    def source(self) -> str:
+        """Key of the source that is used, as the live window calls it; "" without one."""
+        source = self.capturing.source if self._step == "capture" else self._source
+        prompted = source in {one.key for one in self._tools.performances()}
+        return LIVE_PERFORMER if prompted else source or self._usual_camera()
 
     def start(self, name: str = "") -> None:
         """Show the first page, or go on with a profile."""
@@ -204,7 +213,8 @@ class SetupController(QObject):
         elif self._step == "capture":
             self.capturing.stop()
             self._source = self.capturing.source or self._source
-            self._keep(sound=self.capturing.announcer.heard)
+            name = self._source_names().get(self._source, self._choices.camera)
+            self._keep(sound=self.capturing.announcer.heard, camera=name)
         elif self._step == "check":
             self._end_job()
             if self._editor is not None:
@@ -242,9 +252,12 @@ class SetupController(QObject):
 
     def _usual_camera(self) -> str:
         """Return the key of the camera that was used the last time, if it is there."""
-        cameras = self._tools.cameras()
-        same = [camera.key for camera in cameras if camera.text == self._choices.camera]
+        same = [key for key, name in self._source_names().items() if name == self._choices.camera]
         return same[0] if same else ""
+
+    def _source_names(self) -> dict[str, str]:
+        known = [*self._tools.cameras(), *self._tools.performances()]
+        return {one.key: one.text for one in known}
 
     def _on_camera(self) -> None:
         self._camera_seen = self._camera_seen or self.camera.ready
@@ -253,8 +266,7 @@ class SetupController(QObject):
     def _keep_camera(self) -> None:
         """Go on with the camera that was chosen, and remember it."""
         self._source = self.camera.chosen or self._source
-        names = {camera.key: camera.text for camera in self._tools.cameras()}
-        name = names.get(self._source, self._choices.camera)
+        name = self._source_names().get(self._source, self._choices.camera)
         self._keep(camera=name, hold=self.camera.hold_wanted)
 
     def _keep(self, **chosen: Any) -> None:

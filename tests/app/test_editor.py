@@ -339,6 +339,17 @@ def test_the_loupe_shows_only_while_a_point_is_dragged(desk):
     QTest.mouseRelease(desk.canvas, LEFT, NO_KEY, at + QPoint(6, 6))
 
 
+def test_a_moved_pupil_is_said_to_be_placed_by_the_user(desk):
+    pupil = len(NAMES)
+    label = desk.window.panel.point_label
+    desk.controller._select(frozenset({pupil}))
+    assert "sure" in label.text()
+    desk.canvas.nudged.emit(3.0, 0.0)
+    assert "placed by you" in label.text()
+    desk.controller._do("reset")
+    assert "sure" in label.text()
+
+
 def test_the_strip_begins_with_the_most_suspicious_picture(qtbot, folder):
     book = Workbook(folder, find=lambda rgb: None)
     wrong = book.landmarks("smile_yaw+0")

@@ -283,6 +283,27 @@ def test_without_a_camera_the_performer_is_offered(qtbot, tmp_path, people, monk
     close(setup)
 
 
+def test_the_source_that_was_used_is_used_again_and_live(qtbot, setup, people, monkeypatch):
+    begin(qtbot, setup)
+    key, text = setup.tools.performances()[0].key, setup.tools.performances()[0].text
+    setup.window.capture.source_chosen.emit(key)
+    assert setup.controller.source == "performer:mixed"
+    close(setup)
+    assert setup.tools.chosen.camera == text
+    again = open_setup(qtbot, setup.root, people, monkeypatch)
+    again.tools.chosen = setup.tools.chosen
+    again.controller._choices = setup.tools.chosen
+    shown = again.controller._usual_camera()
+    assert shown == key
+    close(again)
+
+
+def test_live_goes_on_with_the_camera_of_the_setup(qtbot, setup):
+    begin(qtbot, setup)
+    assert setup.controller.source == CAMERA
+    close(setup)
+
+
 def test_a_full_disk_is_told_and_the_prompt_stays(qtbot, setup, monkeypatch):
     page = begin(qtbot, setup)
 
