@@ -26,10 +26,13 @@ from app.avatars.likeness.ground import Pictures
 from app.avatars.likeness.judge import Likeness
 from app.avatars.likeness.make import make_likeness
 from app.avatars.looks import Looks
+from app.errors import AppError
 from app.profiles import data_folder, load_setup_images
+from app.replacing import REPLACING, check_edition, edition
 from app.resources import asset
 from core.errors import CoreError
 from core.face_model import FaceModel
+from core.generations import reason_of
 from core.records import U8, Progress, UserBlendshapes
 from core.store import Profile, load
 
@@ -38,6 +41,17 @@ VERSION = 1
 #: What hair can be chosen; "" is what the pictures show.
 HAIR_STYLES: tuple[str, ...] = ("", *CUTS, "bald")
 _QUALITY = 93
+
+
+class LooksUnwritableError(AppError):
+    """The own looks, or what was chosen of them, cannot be kept."""
+
+    def __init__(self, path: Path, reason: str) -> None:
+        self.path, self.reason = path, reason
+        super().__init__(
+            f"cannot keep your own avatar's looks in {path}: {reason}; what was there is "
+            "unchanged. Make the folder writable, or free some space"
+        )
 
 
 def likeness_steps(folder: Path, model: FaceModel) -> Generator[Progress, None, Likeness | None]:
@@ -55,10 +69,13 @@ def likeness_steps(folder: Path, model: FaceModel) -> Generator[Progress, None, 
 
     Raises:
         CoreError: The profile cannot be read.
+        AppError: The looks cannot be kept; or the profile was deleted, or changed, meanwhile.
     """
+    begun = edition(folder)
     profile = load(folder)
-    kept = load_likeness(profile.user)
-    if kept is not None:
+    kept = load_likeness(profile.user, folder)
+    # Whoever has this face may have deleted the pictures of another profile, not of this one.
+    if kept is not None and (kept.skin is not None or _file(folder, profile.user).exists()):
         return kept
     yield Progress(0, 1, "Reading the pictures")
     pictures = _pictures(folder, profile)
@@ -66,13 +83,20 @@ def likeness_steps(folder: Path, model: FaceModel) -> Generator[Progress, None, 
         return None
     made = yield from make_likeness(model, pictures, asset("textures") / "skin")
     if made is not None:
-        save_likeness(folder, profile.user, made)
+        with REPLACING:
+            check_edition(folder, begun)
+            save_likeness(folder, profile.user, made)
     return made
 
 
-def load_likeness(user: UserBlendshapes) -> Likeness | None:
-    """Return the kept looks of a user, with the hair that was chosen; None if there are none."""
-    path = _found(user)
+def load_likeness(user: UserBlendshapes, folder: Path | None = None) -> Likeness | None:
+    """Return the kept looks of a user, with the hair that was chosen; None if there are none.
+
+    Args:
+        user: Whose.
+        folder: Of the profile that plays; None: of any profile with this user's face.
+    """
+    path = _found(user, folder)
     if path is None:
         return None
     try:
@@ -84,7 +108,7 @@ def load_likeness(user: UserBlendshapes) -> Likeness | None:
     if told.get("version") != VERSION:
         return None
     looks = _looks(told["looks"])
-    style = _style_in(_hair_file(path))
+    style = _style_in(_hair_file(path, folder))
     return Likeness(skin, looks.changed(hair_style=style) if style else looks, told["report"])
 
 
@@ -105,23 +129,27 @@ def save_likeness(folder: Path, user: UserBlendshapes, likeness: Likeness) -> Pa
     return path
 
 
-def stamp(user: UserBlendshapes) -> int:
+def stamp(user: UserBlendshapes, folder: Path | None = None) -> int:
     """Return a number that changes when the looks of a user are made or changed."""
-    path = _found(user)
+    path = _found(user, folder)
     if path is None:
         return 0
-    return sum(entry.stat().st_mtime_ns for entry in (path, _hair_file(path)) if entry.exists())
+    files = (path, _hair_file(path, folder))
+    return sum(entry.stat().st_mtime_ns for entry in files if entry.exists())
 
 
 def chosen_hair(folder: Path) -> str:
     """Return the hair that the user of a profile chose, one of HAIR_STYLES."""
-    return _style_in(_folder() / f"{_place(folder)}.json")
+    return _style_in(_chosen_file(folder))
 
 
 def choose_hair(folder: Path, style: str) -> None:
-    """Keep the hair, one of HAIR_STYLES, of the user of a profile."""
-    path = _folder() / f"{_place(folder)}.json"
-    _replace(path, json.dumps({"hair_style": style}).encode())
+    """Keep the hair, one of HAIR_STYLES, of the user of a profile.
+
+    Raises:
+        LooksUnwritableError: What was chosen before is unchanged.
+    """
+    _replace(_chosen_file(folder), json.dumps({"hair_style": style}).encode())
 
 
 def forget_looks(folder: Path) -> None:
@@ -205,18 +233,34 @@ def _face(user: UserBlendshapes) -> str:
     return hashlib.sha256(np.ascontiguousarray(user.neutral_mm).tobytes()).hexdigest()[:24]
 
 
-def _found(user: UserBlendshapes) -> Path | None:
+def _found(user: UserBlendshapes, folder: Path | None) -> Path | None:
     """Return the file of a user's looks; copies of a profile have the same face."""
+    if folder is not None and (own := _file(folder, user)).exists():
+        return own
     return next(iter(sorted(_folder().glob(f"*-{_face(user)}.npz"))), None)
 
 
-def _hair_file(path: Path) -> Path:
-    return path.with_name(path.name.split("-")[0] + ".json")
+def _chosen_file(folder: Path) -> Path:
+    return _folder() / f"{_place(folder)}.json"
+
+
+def _hair_file(path: Path, folder: Path | None) -> Path:
+    """Return where the hair is kept that goes with a file of looks, for a profile if it is known.
+
+    A copy of a profile has its own, whosever file the skin comes from.
+    """
+    own = path.with_name(path.name.split("-")[0] + ".json")
+    return own if folder is None else _chosen_file(folder)
 
 
 def _replace(path: Path, content: bytes) -> None:
     """Write a file in one step."""
-    path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f".{path.name}.{os.getpid()}")
-    part.write_bytes(content)
-    os.replace(part, path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part.write_bytes(content)
+        os.replace(part, path)
+    except OSError as error:
+        with suppress(OSError):
+            part.unlink()
+        raise LooksUnwritableError(path, reason_of(error)) from None

@@ -3,6 +3,7 @@
 import time
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
@@ -44,13 +45,22 @@ def make_avatar(name: str, model: FaceModel, user: UserBlendshapes | None = None
     return avatar_from(Gallery(asset("."), model), name, user)
 
 
-def avatar_from(gallery: Gallery, name: str, user: UserBlendshapes | None) -> Avatar:
-    """Return an avatar of a gallery, which keeps the files that all of them share."""
+def avatar_from(
+    gallery: Gallery, name: str, user: UserBlendshapes | None, folder: Path | None = None
+) -> Avatar:
+    """Return an avatar of a gallery, which keeps the files that all of them share.
+
+    Args:
+        gallery: To make it with.
+        name: One of AVATARS.
+        user: Whose head is the own one.
+        folder: Of the user's profile, None if it is not known: copies have the same face.
+    """
     if name != OWN:
         return gallery.built_in(name)
     if user is None:
         return gallery.built_in(AVATARS[1])
-    known = load_likeness(user)
+    known = load_likeness(user, folder)
     return (
         gallery.of_user(user) if known is None else gallery.of_user(user, known.looks, known.skin)
     )
@@ -127,6 +137,10 @@ class AvatarPainter:
         return overlay(self._avatar, self._camera, state.rotation_wxyz, state.translation_mm)
 
 
+#: What tells avatars apart: name, user, folder of the profile, stamp of the own looks.
+Role = tuple[str, UserBlendshapes | None, Path | None, int]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Cast:
     """Who plays in the live view; every change of avatar, user or source is a new cast.
@@ -134,10 +148,12 @@ class Cast:
     Attributes:
         avatar: One of AVATARS.
         user: Whose head the own one is, None without a profile.
+        folder: Of the user's profile, None without one.
     """
 
     avatar: str
     user: UserBlendshapes | None
+    folder: Path | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -183,7 +199,7 @@ class LivePainter:
         self._ladder = ladder or Ladder(IN_SOFTWARE if renderer.software else ON_CARD)
         self._pictures = PictureShelf()
         self._cast: Cast | None = None
-        self._avatars: dict[tuple[str, UserBlendshapes | None, int], Avatar] = {}
+        self._avatars: dict[Role, Avatar] = {}
 
     def draw(self, wish: LiveWish) -> U8:
         """Return the picture (H, W, 4).
@@ -221,9 +237,10 @@ class LivePainter:
     def _enter(self, cast: Cast) -> None:
         """Centre the portrait anew, and make the avatar unless it was among the last ones."""
         user = cast.user if cast.avatar == OWN else None
-        role = (cast.avatar, user, 0 if user is None else stamp(user))
+        role = (cast.avatar, user, cast.folder, 0 if user is None else stamp(user, cast.folder))
         # The last used is last; the first makes way.
-        avatar = self._avatars.pop(role, None) or avatar_from(self._gallery, cast.avatar, user)
+        avatar = self._avatars.pop(role, None)
+        avatar = avatar or avatar_from(self._gallery, cast.avatar, user, cast.folder)
         self._avatars[role] = avatar
         if len(self._avatars) > KEPT_AVATARS:
             self._avatars.pop(next(iter(self._avatars)))

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol, runtime_checkable
 
 from PySide6.QtCore import QObject, QThread, Signal
@@ -61,6 +62,7 @@ class Performer:
         learned: Asked in the background: who was seen meanwhile, None as long as nobody is known.
         regressor: Of the profile, None without one.
         levels: Of the user's lids, None where they have to be learned.
+        folder: Of the profile, None without one.
     """
 
     tracker: FaceTracker
@@ -68,6 +70,7 @@ class Performer:
     learned: Callable[[], UserBlendshapes | None] = nobody
     regressor: FernRegressor | None = None
     levels: BlinkLevels | None = None
+    folder: Path | None = None
 
 
 class Opener(Protocol):

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Protocol
 
 from PySide6.QtCore import QObject, Qt, Signal
@@ -54,20 +55,25 @@ class AvatarScene(QObject):
         """How well the last picture was drawn: what is too slow is drawn smaller for a while."""
         return self._drawn
 
-    def enter(self, user: UserBlendshapes | None) -> None:
-        """Let the chosen avatar play a user, at rest before the first state comes."""
+    def enter(self, user: UserBlendshapes | None, folder: Path | None = None) -> None:
+        """Let the chosen avatar play a user, at rest before the first state comes.
+
+        Args:
+            user: None without a profile.
+            folder: Of the profile.
+        """
         self._last = None
-        self._play(user)
+        self._play(user, folder)
 
     def prepare(self) -> None:
         """Have the chosen avatar made while the first source is still being opened."""
         if self._cast is None:
             self._begin().ask(LiveWish(Cast(self.avatar, None), resting(), look=self._look))
 
-    def become(self, user: UserBlendshapes | None) -> None:
+    def become(self, user: UserBlendshapes | None, folder: Path | None = None) -> None:
         """Go on as somebody else, or who is better known now."""
         if self._cast is not None:
-            self._play(user)
+            self._play(user, folder)
 
     def leave(self) -> None:
         """Let nobody play."""
@@ -77,7 +83,7 @@ class AvatarScene(QObject):
         """Let another avatar play from now on."""
         self.avatar = avatar
         if self._cast is not None:
-            self._play(self._cast.user)
+            self._play(self._cast.user, self._cast.folder)
 
     def show(
         self,
@@ -113,8 +119,8 @@ class AvatarScene(QObject):
             self._loop.deleteLater()
             self._loop = None
 
-    def _play(self, user: UserBlendshapes | None) -> None:
-        self._cast = Cast(self.avatar, user)
+    def _play(self, user: UserBlendshapes | None, folder: Path | None) -> None:
+        self._cast = Cast(self.avatar, user, folder)
         self._begin()
         self._ask_again(self._cast)
 

@@ -43,6 +43,14 @@ class TakeTools(Protocol):
         ...
 
 
+def folder_of(profile: str) -> Path | None:
+    """Return where a profile is kept, None without one."""
+    try:
+        return profile_folder(profile) if profile else None
+    except AppError:
+        return None
+
+
 class TakeWorkshop:
     """Works with the shipped models; each piece of work loads its own, for its own thread."""
 
@@ -86,7 +94,7 @@ class TakeWorkshop:
     ) -> Generator[Progress, None, Path]:
         yield Progress(0, 1, "Preparing the avatar")
         model = load_face_model(asset("face_model.npz"))
-        cast = Cast(avatar, self.user(take.facts.profile))
+        cast = Cast(avatar, self.user(take.facts.profile), folder_of(take.facts.profile))
         renderer = Renderer()
         try:
             # There is time: all frames are drawn as well as can be.

@@ -4,6 +4,7 @@ import gc
 import os
 from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from threading import Lock
@@ -96,7 +97,8 @@ class Toolbox:
         Raises:
             CoreError, AppError: It cannot be used.
         """
-        return self.performer(load(profile_folder(key)))
+        folder = profile_folder(key)
+        return replace(self.performer(load(folder)), folder=folder)
 
     def performer(self, profile: Profile) -> Performer:
         """Return what follows the person of a profile, and anybody else without it."""
