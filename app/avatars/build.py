@@ -1,6 +1,6 @@
 """Puts head, looks, hair and bust together into an avatar."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -97,7 +97,8 @@ def dressed(
         white = eye_texture(looks.iris, IRIS_MM, float(radii.mean()), rng)
     ball = Material("eye", white)
     eyes = Eyes(centers, radii, lid_rows(model), (ball, ball))
-    return assembly.avatar(name, eyes, lip_rows(model), PIVOT_MM)
+    made = assembly.avatar(name, eyes, lip_rows(model), PIVOT_MM)
+    return replace(made, seal=wardrobe.seal)
 
 
 def _add_worn(assembly: Assembly, worn: Worn) -> None:
@@ -148,7 +149,7 @@ def _add_mouth_and_lashes(
     """Add teeth, tongue and lashes."""
     inside = surface(model, "teeth", "tongue")
     assembly.add_surface(
-        Material("wet", wardrobe.mouth, two_sided=True, in_mouth=True),
+        Material("wet", wardrobe.mouth, {"gloss": wardrobe.wetness}, two_sided=True, in_mouth=True),
         inside.triangles,
         inside.uv,
     )

@@ -11,7 +11,7 @@ from app.avatars.characters import Character, drawn
 from app.avatars.fennec import FENNEC
 from app.avatars.juno import JUNO
 from app.avatars.looks import LOOKS, Looks
-from app.avatars.wardrobe import AvatarFileError, Wardrobe, load_wardrobe
+from app.avatars.wardrobe import AvatarFileError, Wardrobe, embellished, load_wardrobe
 from app.render.avatar import Avatar
 from core.face_model import FaceModel, deltas_mm, neutral_mm
 from core.records import U8, FloatArray, UserBlendshapes
@@ -88,7 +88,7 @@ class Gallery:
 
     @cached_property
     def _wardrobe(self) -> Wardrobe:
-        return load_wardrobe(self._assets, self._model)
+        return embellished(load_wardrobe(self._assets, self._model), self._model)
 
     @cached_property
     def _people(self) -> dict[str, FloatArray]:

@@ -1,6 +1,6 @@
 """What all avatars share, read from the shipped files."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -9,7 +9,9 @@ import numpy as np
 from app.avatars.bust import Bust, load_bust
 from app.avatars.hair import Scalp, scalp_of
 from app.avatars.head import holds, inner_shade
+from app.avatars.mouth import bright_teeth, lip_seal
 from app.errors import AppError
+from app.render.lip_seal import LipSeal
 from core.face_model import FaceModel
 from core.records import F32, U8
 
@@ -36,6 +38,8 @@ class Wardrobe:
         extra: (V, 4) hold and openness of the face model's vertices, see `Mesh`.
         scalp: Where hair grows.
         bust: Neck and shirt.
+        seal: Draws lips together that nearly touch; None: they are shown as they are.
+        wetness: Strength of the highlights on teeth and tongue.
     """
 
     skin_maps: Path
@@ -44,6 +48,8 @@ class Wardrobe:
     extra: F32
     scalp: Scalp
     bust: Bust
+    seal: LipSeal | None = None
+    wetness: float = 0.9
 
 
 def load_wardrobe(assets: Path, model: FaceModel) -> Wardrobe:
@@ -70,6 +76,11 @@ def load_wardrobe(assets: Path, model: FaceModel) -> Wardrobe:
         scalp_of(model),
         load_bust(assets / "performer" / "body.npz"),
     )
+
+
+def embellished(wardrobe: Wardrobe, model: FaceModel) -> Wardrobe:
+    """Return the wardrobe of avatars to be seen: bright teeth, and lips that meet."""
+    return replace(wardrobe, mouth=bright_teeth(wardrobe.mouth), seal=lip_seal(model), wetness=0.3)
 
 
 def _openness(path: Path, n: int) -> F32:

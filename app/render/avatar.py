@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from app.render.lip_seal import LipSeal
 from app.render.scene import Material
 from core.records import F32, I32, FloatArray, freeze
 
@@ -77,6 +78,7 @@ class Avatar:
         eyes: The eyeballs.
         lip_rows: (2,) vertices of the middle of the upper and lower lip's inner edge.
         pivot_mm: (3,) where the skull turns on the neck.
+        seal: Draws lips together that nearly touch; None: they are shown as they are.
     """
 
     name: str
@@ -89,6 +91,7 @@ class Avatar:
     eyes: Eyes
     lip_rows: I32
     pivot_mm: FloatArray
+    seal: LipSeal | None = None
 
     def __post_init__(self) -> None:
         freeze(

@@ -115,6 +115,8 @@ class Puppet:
         add_sparse_deltas(
             weights, avatar.delta_starts, avatar.delta_rows, avatar.deltas_mm, self._vertices
         )
+        if avatar.seal is not None:
+            avatar.seal.close(self._vertices)
         vertex_normals(self._vertices, avatar.triangles, self._normals)
         for part, drawable, buffer in zip(self._parts, self._drawables, self._buffers, strict=True):
             interleave(self._vertices, self._normals, part.rows, buffer)
