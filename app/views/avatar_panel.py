@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 from app.render.look import AvatarLook, Background, Color
 from app.views.choice import Choice
 from app.views.chooser import Chooser
-from app.views.labelled_slider import LabelledSlider, leave_wheel
+from app.views.labelled_slider import LabelledSlider
 
 FRAMING_CHOICES = (
     Choice("shoulders", "Head and shoulders"),
@@ -129,8 +129,6 @@ class AvatarPanel(QScrollArea):
             (self.all_button, "Forget all that was chosen here for this avatar"),
         ):
             widget.setToolTip(tip)
-        for chooser in (self.framing, self.mirror, self.background, self.lights, self.samples):
-            leave_wheel(chooser)
         self.color_button.setAccessibleName("Colour of the background")
         self.picture_button.setAccessibleName("Picture of the background")
         content = QWidget()

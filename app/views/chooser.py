@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QIcon
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtGui import QIcon, QKeyEvent, QWheelEvent
 from PySide6.QtWidgets import QComboBox, QListView, QWidget
 
 from app.views.choice import Choice
@@ -21,6 +21,8 @@ class Chooser(QComboBox):
     def __init__(self, name: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setAccessibleName(name)
+        # A click leaves the keyboard to the window, whose keys are letters.
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         # Long names of files and cameras must not widen the window.
         self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
         self.setMinimumContentsLength(12)
@@ -30,6 +32,7 @@ class Chooser(QComboBox):
         shown.setIconSize(QSize(_IN_LIST_PX, _IN_LIST_PX))
         shown.setSpacing(1)
         self.setView(shown)
+        shown.installEventFilter(self)
         self.setPlaceholderText(f"Choose: {name.lower()}")
         self._choices: tuple[Choice, ...] = ()
         self._current = ""
@@ -64,6 +67,17 @@ class Chooser(QComboBox):
         """Drop the list down."""
         self.list_wanted.emit()
         super().showPopup()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Let letters search in the open list, whatever they mean in the window."""
+        if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
+            event.setAccepted(event.text().isalnum())
+            return event.isAccepted()
+        return bool(super().eventFilter(watched, event))
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Choose nothing: the wheel scrolls what is around the box, or the open list."""
+        event.ignore()
 
     def _fit_list(self) -> None:
         """Make the list wide enough for its entries, though the box is narrower."""

@@ -15,9 +15,13 @@ from PySide6.QtCore import QEvent, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QKeyEvent, QPalette
 from PySide6.QtWidgets import (
     QAbstractButton,
+    QAbstractItemView,
+    QAbstractSpinBox,
     QCheckBox,
+    QComboBox,
     QHBoxLayout,
     QLabel,
+    QLineEdit,
     QMainWindow,
     QMenu,
     QPushButton,
@@ -92,6 +96,8 @@ class LiveWindow(QMainWindow):
         self.panels = Panels(self, self._menus["View"])
         self._build()
         self._connect()
+        # Else the first list would have the keyboard, and take the letters.
+        self.setFocus()
 
     def menu(self, name: str) -> QMenu:
         """Return one of MENUS, to add actions to."""
@@ -156,11 +162,6 @@ class LiveWindow(QMainWindow):
         """
         self._name_trouble, self._performer = name_trouble, performer
 
-    @property
-    def landmarks_wanted(self) -> bool:
-        """Whether landmarks are to be drawn over the source."""
-        return self.landmarks_box.isChecked()
-
     # -- what is asked -------------------------------------------------------------------
 
     def take(self, key: str) -> None:
@@ -209,11 +210,18 @@ class LiveWindow(QMainWindow):
             self.showNormal()
 
     def event(self, event: QEvent) -> bool:
-        """Leave the space key, which also pauses, to a button that has the focus."""
+        """Leave keys that are shortcuts as well to what has the focus and needs them."""
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
-            on_button = isinstance(self.focusWidget(), QAbstractButton)
-            event.setAccepted(on_button and event.key() == Qt.Key.Key_Space)
+            event.setAccepted(self._is_needed(event))
         return bool(super().event(event))
+
+    def _is_needed(self, event: QKeyEvent) -> bool:
+        """Return whether what has the focus needs a key: Space presses, letters search in lists."""
+        focus, plain = self.focusWidget(), Qt.KeyboardModifier.NoModifier
+        if event.key() == Qt.Key.Key_Space:
+            return isinstance(focus, (QAbstractButton, QComboBox))
+        searched = isinstance(focus, (QComboBox, QAbstractItemView, QAbstractSpinBox, QLineEdit))
+        return searched and event.modifiers() == plain and event.text().isalnum()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Leave the full screen with Esc."""

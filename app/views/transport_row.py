@@ -6,11 +6,11 @@ from PySide6.QtWidgets import (
     QComboBox,
     QHBoxLayout,
     QLabel,
-    QSlider,
     QToolButton,
     QWidget,
 )
 
+from app.views.seek_slider import SeekSlider
 from app.views.takes.icons import sign
 
 
@@ -30,7 +30,7 @@ class TransportRow(QWidget):
             parent: Of the widget.
         """
         super().__init__(parent)
-        self.slider, self.time = QSlider(Qt.Orientation.Horizontal), QLabel()
+        self.slider, self.time = SeekSlider(), QLabel()
         self.speed = QComboBox()
         self.slider.setAccessibleName("Position")
         self.slider.setToolTip("Position in the recording")

@@ -247,7 +247,8 @@ def test_the_wheel_scrolls_the_panel_and_changes_only_what_was_clicked(qtbot):
         control.setFocus()
         qtbot.waitUntil(control.hasFocus)
         turn_wheel(control, control.rect().center(), -120)
-        assert wishes
+        # A slider that was clicked moves; a list is never chosen from without being open.
+        assert bool(wishes) == (control is panel.turn.slider)
         wishes.clear()
 
 

@@ -6,12 +6,16 @@ import time
 import cv2
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QWheelEvent
+from PySide6.QtWidgets import QApplication
 
 from app.capture.played import Played
 from app.capture.video import GRABBED_AT_MOST, VideoSource
 from app.controllers.desk import open_desk
 from app.controllers.toolbox import Toolbox
+from app.views.choice import Choice
+from app.views.seek_slider import SeekSlider
 from app.views.transport_row import clock_text
 from core.records import Frame
 from tests.app.live_fakes import FakeToolbox
@@ -231,6 +235,54 @@ def test_space_presses_the_button_that_has_the_focus(window, qtbot):
     before = window.mirror_box.isChecked()
     qtbot.keyClick(window.mirror_box, Qt.Key.Key_Space)
     assert window.mirror_box.isChecked() != before and not window.deeds.on("pause")
+
+
+def test_letters_and_the_space_key_are_those_of_a_list_that_has_the_focus(window, qtbot):
+    qtbot.waitUntil(window.isActiveWindow)
+    assert window.focusWidget() is not window.sources
+    window.show_avatars([Choice("nora", "Nora"), Choice("own", "Leo")], "nora")
+    chosen = []
+    window.avatar_chosen.connect(chosen.append)
+    before = window.deeds.on("landmarks")
+    qtbot.keyClick(window, Qt.Key.Key_L)
+    assert window.deeds.on("landmarks") != before
+    window.avatars.setFocus()
+    qtbot.keyClick(window.avatars, "l")
+    assert chosen == ["own"] and window.deeds.on("landmarks") != before
+    qtbot.keyClick(window.avatars, Qt.Key.Key_Space)
+    assert window.avatars.view().isVisible() and not window.deeds.on("pause")
+    qtbot.keyClick(window.avatars.view(), "n")
+    assert window.avatars.view().currentIndex().row() == 0
+    window.avatars.hidePopup()
+
+
+def test_the_wheel_over_a_list_chooses_nothing(window, qtbot):
+    window.show_avatars([Choice("nora", "Nora"), Choice("own", "Leo")], "nora")
+    chosen = []
+    window.avatar_chosen.connect(chosen.append)
+    window.avatars.setFocus()
+    spot = QPointF(10, 10)
+    wheel = QWheelEvent(
+        spot, window.avatars.mapToGlobal(spot), QPoint(), QPoint(0, -120),
+        Qt.MouseButton.NoButton, Qt.KeyboardModifier.NoModifier, Qt.ScrollPhase.NoScrollPhase,
+        False,
+    )  # fmt: skip
+    QApplication.sendEvent(window.avatars, wheel)
+    assert chosen == [] and window.avatars.currentData() == "nora"
+
+
+def test_a_click_on_the_seek_bar_goes_there_and_can_be_dragged_on(qtbot):
+    slider = SeekSlider()
+    qtbot.addWidget(slider)
+    slider.resize(400, 24)
+    slider.setMaximum(1000)
+    slider.show()
+    qtbot.mousePress(slider, Qt.MouseButton.LeftButton, pos=QPoint(300, 12))
+    assert slider.value() == pytest.approx(750, abs=15) and slider.isSliderDown()
+    qtbot.mouseMove(slider, QPoint(100, 12))
+    assert slider.value() == pytest.approx(250, abs=15)
+    qtbot.mouseRelease(slider, Qt.MouseButton.LeftButton, pos=QPoint(100, 12))
+    assert slider.value() == pytest.approx(250, abs=15)
 
 
 def test_closing_while_paused_does_not_wait(window, qtbot):

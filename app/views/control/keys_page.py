@@ -64,7 +64,7 @@ class KeysPage(QWidget):
         self.list, self.name, self.face = QListWidget(), QLineEdit(), QComboBox()
         self.hold, self.way = QComboBox(), QComboBox()
         self.fade_in = SliderRow("Comes in", 0.0, 2.0, 0.2, "{:.2f} s")
-        self.fade_out = SliderRow("Goes in", 0.0, 2.0, 0.35, "{:.2f} s")
+        self.fade_out = SliderRow("Fades in", 0.0, 2.0, 0.35, "{:.2f} s")
         self.content = QLabel()
         self.mine_button = QPushButton("Use my face no&w")
         self.try_button = QPushButton("&Try")
