@@ -29,6 +29,7 @@ from core.records import Progress
 from core.state_landmarks import confirmed
 
 NO_FRAME = "There is no picture to correct: choose a source first."
+TAKE_PLAYS = "A take is played: go back to the live picture to correct one of its frames."
 NO_PROFILE = (
     "Corrections need a profile: they are added to its pictures, and it is trained again. Without "
     "one nothing learns from them."
@@ -95,7 +96,9 @@ class CorrectingController(QObject):
             self.editor.activateWindow()
             return
         result, profile = self._result, self._controller.wanted.profile
-        if result is None:
+        if self._controller.lent:
+            self._window.message_bar.tell(TAKE_PLAYS)
+        elif result is None:
             self._window.message_bar.tell(NO_FRAME)
         elif not profile:
             self._window.message_bar.offer(NO_PROFILE, [SETUP])

@@ -20,11 +20,7 @@ from PySide6.QtCore import QCoreApplication, QObject, QThread, QTimer, Signal
 from app.controllers.choosing import ChoiceLists
 from app.controllers.face_desk import FaceDesk
 from app.controllers.inviting import Inviting
-from app.controllers.live_chain import (
-    Listener,
-    LiveChain,
-    SwappingOpener,
-)
+from app.controllers.live_chain import Listener, LiveChain, SwappingOpener
 from app.controllers.performing import Performing
 from app.controllers.player import Opened, Performer, Player, Wanted
 from app.controllers.profile_maker import MadeProfile
@@ -62,6 +58,7 @@ class LiveController(QObject):
     swapped = Signal()  # another tracker of the same person took over
     avatar_changed = Signal(str)
     solved = Signal(object)  # LiveResult
+    taken = Signal(object)  # LiveResult of a take that others play in place of the source
     ending = Signal()
 
     def __init__(self, window: LiveWindow, tools: Tools) -> None:
@@ -92,6 +89,11 @@ class LiveController(QObject):
     def drive(self) -> Drive:
         """From the solved face to what the avatar does."""
         return self._chain.drive
+
+    @property
+    def lent(self) -> bool:
+        """Whether others show what they play in place of the source."""
+        return self._showing.lent
 
     def start(self) -> None:
         """Fill the choosers and play the first camera, if there is one."""
@@ -135,14 +137,18 @@ class LiveController(QObject):
         self._chain.remove(listener)
 
     def use_profile(self, profile: str) -> None:
-        """Change over to a profile; the picture goes on with the one before meanwhile."""
-        if not self._performing.plays:
+        """Change over to a profile; the picture goes on with the one before meanwhile.
+
+        What others play in place of the source keeps its own head until the source is back.
+        """
+        if not self._performing.plays and not self.lent:
             self._play(self._wanted.source, profile)
             return
         self._wanted = Wanted(self._wanted.source, profile)
         self._show_choices()
         self.window.message_bar.tell("")
-        self._performing.load(profile)
+        if not self.lent:
+            self._performing.load(profile)
 
     def swap_performer(self, performer: Performer) -> None:
         """Let another tracker solve from the next frame on, for another head or a better one."""
@@ -156,6 +162,7 @@ class LiveController(QObject):
     def lend(self) -> None:
         """Give the source back: until the next one is chosen, others show what they play."""
         self.player.play(None)
+        self._performing.lend()
         self._showing.lent = True
         self.window.transport.hide()
 
@@ -219,6 +226,7 @@ class LiveController(QObject):
         self.player.opened.connect(self._on_opened)
         self.player.framed.connect(self._showing.show_solved)
         self.player.framed.connect(self.solved)
+        self.taken.connect(self._showing.show_solved)
         self.player.failed.connect(self._on_source_failed)
         self.player.broken.connect(lambda: self._on_source_failed(AppError(BROKEN)))
         self.scene.painted.connect(self._showing.show_painted)

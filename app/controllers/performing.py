@@ -67,7 +67,7 @@ class Performing(QObject):
         self._tracker = tracker if isinstance(tracker, SwappedTracker) else None
         self.unusable = opened.trouble is not None
         self._drive.reset()
-        self._scene.enter(opened.performer.user)
+        self._scene.enter(opened.performer.user, opened.performer.folder)
         self._meet(opened.performer)
 
     def forget(self) -> None:
@@ -76,6 +76,11 @@ class Performing(QObject):
         self._switch.forget()
         self._overlays.use(None, None)
         self._scene.leave()
+
+    def lend(self) -> None:
+        """Let others say whose head the avatar has, until the next `begin`."""
+        self._stranger, self._tracker = None, None
+        self._switch.forget()
 
     def load(self, profile: str) -> None:
         """Put a profile's performer in place, as soon as it is loaded; empty: none's."""
@@ -87,7 +92,7 @@ class Performing(QObject):
         if self._tracker is None:
             return
         self._tracker.tracker = performer.tracker
-        self._scene.become(performer.user)
+        self._scene.become(performer.user, performer.folder)
         self._meet(performer)
         self.changed.emit()
 

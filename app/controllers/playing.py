@@ -6,6 +6,8 @@ from collections.abc import Callable
 from PySide6.QtCore import QObject, Signal
 
 from app.controllers.live import LiveController
+from app.controllers.take_tools import folder_of
+from app.errors import AppError
 from app.takes.library import Take, with_trim
 from app.views.takes.player_box import PlayerBox
 from app.workers.live_loop import LiveResult
@@ -21,7 +23,7 @@ class PlayingDesk(QObject):
 
     changed = Signal()  # begun or ended
     trimmed = Signal(object)  # Take
-    failed = Signal(object)  # AppError
+    failed = Signal(object)  # AppError: a take cannot be played, or its trim not be kept
 
     def __init__(
         self, controller: LiveController, box: PlayerBox,
@@ -94,8 +96,8 @@ class PlayingDesk(QObject):
             self.changed.emit()
 
     def _on_ready(self, user: UserBlendshapes | None) -> None:
-        if self._playback is not None:
-            self._controller.scene.enter(user)
+        if self._playback is not None and self._take is not None:
+            self._controller.scene.enter(user, folder_of(self._take.facts.profile))
             self._playback.begin()
 
     def _show(self, played: Played) -> None:
@@ -111,7 +113,8 @@ class PlayingDesk(QObject):
         self._now_s = moment.play_s
         self._box.show_position(moment.play_s, self.playing)
         result = LiveResult(played.frame, moment.solved, moment.driven, 0.0)
-        self._controller.player.framed.emit(result)
+        # Not `solved`: a take is nothing to learn from, nor a speed to measure.
+        self._controller.taken.emit(result)
 
     def _on_failed(self, error: object) -> None:
         self.leave()
@@ -150,7 +153,11 @@ class PlayingDesk(QObject):
     def _trim(self, range_s: tuple[float, float] | None) -> None:
         if self._take is None or self._playback is None:
             return
-        self._take = with_trim(self._take, range_s)
+        try:
+            self._take = with_trim(self._take, range_s)
+        except AppError as error:
+            self.failed.emit(error)
+            return
         self._playback.use_range(self._take.range_s)
         self._box.show_take(self._take.name, self._take.facts.seconds, self._take.range_s)
         self._box.show_position(self._now_s, self.playing)

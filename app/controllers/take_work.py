@@ -16,11 +16,16 @@ from app.takes.solving import MODE_TEXTS, SolveWish
 from app.views.choice import Choice
 from app.views.files import ask_where_to_save
 from app.views.live_window import LiveWindow
-from app.views.takes.export_dialog import ExportDialog, ExportWish
+from app.views.takes.export_dialog import FORMS, ExportDialog, ExportWish
 from app.views.takes.solve_dialog import SolveDialog
 from app.views.takes.takes_panel import TakesPanel
 from core.drive import Drive
 from core.records import Progress
+
+ALREADY = (
+    "There is a file {path} already: nothing was written. Export again and choose that very name "
+    "to replace it, or another one."
+)
 
 
 class TakeWork(QObject):
@@ -95,9 +100,17 @@ class TakeWork(QObject):
         def write(chosen: str) -> None:
             path = Path(chosen)
             named = path if path.suffix.lower() == wish.form else Path(f"{chosen}{wish.form}")
-            self.export(take, wish, named)
+            if named != path and named.exists():
+                # The dialog has asked about another name.
+                self._window.message_bar.tell(ALREADY.format(path=named))
+            else:
+                self.export(take, wish, named)
 
-        ask_where_to_save(self._window, "Export the take", f"{take.name}{wish.form}", write)
+        text = next(form.text for form in FORMS if form.key == wish.form).replace("&", "")
+        ask_where_to_save(
+            self._window, "Export the take", f"{take.name}{wish.form}", write,
+            [f"{text} (*{wish.form})"],
+        )  # fmt: skip
 
     def _begin(self, steps: Generator[Progress, None, object]) -> None:
         if self._maker.busy:

@@ -174,7 +174,7 @@ class TakesController(QObject):
         played = self.playing.take
         try:
             now = renamed(take, name)
-        except TakeError as error:
+        except AppError as error:
             self._tell(error)
             return
         if played is not None and played.name == take.name:
@@ -199,7 +199,7 @@ class TakesController(QObject):
             self.playing.leave()
         try:
             delete(take)
-        except TakeError as error:
+        except AppError as error:
             self._tell(error)
         self.shelf.refresh()
 

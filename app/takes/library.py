@@ -218,7 +218,7 @@ def renamed(take: Take, name: str) -> Take:
         write_facts(target, take.facts)
     except OutputError as error:
         target.rename(take.folder)
-        raise TakeError(f"cannot rename the take {take.name}: {error}") from None
+        raise TakeError(f"cannot rename the take {take.name}: {error.reason}") from None
     return replace(take, folder=target)
 
 

@@ -11,6 +11,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog, QMessageBox
 
 from app.controllers import takes as takes_controller
+from app.controllers.correcting import CorrectingController
 from app.controllers.desk import open_desk
 from app.controllers.take_work import film_look
 from app.controllers.takes import TakesController
@@ -29,7 +30,7 @@ from app.workers.playback import Playback
 from core.arkit import EXPRESSION_NAMES
 from core.records import Progress
 from tests.app.live_fakes import CAMERA, OTHER_CAMERA, FakeToolbox
-from tests.app.test_takes import level_of, number_of, recorded
+from tests.app.test_takes import fail_to_write, level_of, number_of, recorded
 
 JAW = EXPRESSION_NAMES.index("jawOpen")
 
@@ -417,6 +418,102 @@ def test_a_take_is_exported_through_the_dialog(open_takes, tmp_path, form):
     saving.reject()
     desk.until((tmp_path / f"out{form}").exists)
     desk.until(lambda: "Exported" in desk.window.message_bar.text)
+
+
+class Wardrobe(SlowTools):
+    """Knows that the take's profile has a head."""
+
+    def user(self, profile):
+        return f"the head of {profile}"
+
+
+def test_a_profile_chosen_while_a_take_plays_is_used_when_the_source_is_back(open_takes):
+    recorded(12)
+    desk = open_takes(FakeToolbox(profiles=["anna", "bert"]))
+    desk.live()
+    desk.takes.playing._user_of = Wardrobe().user
+    desk.play()
+    desk.until(lambda: desk.toolbox.wishes[-1].cast.user == "the head of anna")
+    desk.controller.use_profile("bert")
+    assert desk.controller.wanted.profile == "bert"
+    desk.qtbot.wait(200)
+    assert desk.takes.playing.take is not None
+    assert desk.toolbox.wishes[-1].cast.user == "the head of anna"
+    with desk.qtbot.waitSignal(desk.controller.player.opened) as opened:
+        desk.click(desk.panel.player.live_button)
+    assert opened.args[0].wanted.profile == "bert"
+    desk.live()
+    assert desk.toolbox.wishes[-1].cast.user is None
+
+
+def test_a_frame_of_a_take_is_not_offered_as_one_of_the_profile(open_takes):
+    recorded(12)
+    desk = open_takes()
+    desk.live()
+    corrections = desk.controller.findChild(CorrectingController)
+    desk.play()
+    solved = []
+    desk.controller.solved.connect(solved.append)
+    del desk.toolbox.wishes[:]
+    desk.until(lambda: len(desk.toolbox.wishes) > 8)
+    desk.qtbot.wait(50)
+    assert desk.window.source_pane.has_picture and solved == []
+    corrections.correct()
+    assert not corrections.busy and corrections.editor is None
+    assert "take" in desk.window.message_bar.text
+    desk.click(desk.panel.player.live_button)
+    desk.live()
+    assert desk.window.message_bar.text == "" and not desk.controller.lent
+
+
+def test_marks_and_names_that_cannot_be_kept_are_told(open_takes, monkeypatch):
+    take = recorded(12)
+    desk = open_takes()
+    desk.play()
+    monkeypatch.setattr("os.replace", fail_to_write)
+    desk.click(desk.panel.player.buttons["toggle"])
+    desk.panel.player.trim_wanted.emit(0.1, 0.2)
+    assert "no space" in desk.window.message_bar.text
+    assert desk.takes.playing.take.facts.trim_s is None
+    desk.window.message_bar.tell("")
+    desk.takes._rename(take, "other")
+    assert "Cannot rename" in desk.window.message_bar.text
+    assert [one.name for one in takes()] == [take.name]
+
+
+def test_a_name_that_gets_its_ending_replaces_no_file_unasked(open_takes, tmp_path):
+    take = recorded()
+    desk = open_takes()
+    desk.listed(1)
+    old = tmp_path / "v1.2.csv"
+    old.write_text("old")
+    wish = ExportWish(".csv", "", (64, 48), 30.0, False, True)
+    desk.takes.work._ask_where(take, wish)
+    saving = desk.window.findChild(QFileDialog)
+    assert saving.defaultSuffix() == "csv" and "(*.csv)" in saving.nameFilters()[0]
+    saving.fileSelected.emit(str(tmp_path / "v1.2"))
+    assert str(old) in desk.window.message_bar.text and old.read_text() == "old"
+    assert not desk.takes.work.busy
+    # Here the dialog has asked.
+    saving.fileSelected.emit(str(old))
+    saving.reject()
+    desk.until(lambda: "Exported" in desk.window.message_bar.text)
+    assert old.read_text() != "old"
+
+
+def test_a_take_that_cannot_be_completed_is_told_once(open_takes):
+    part = part_folder("newer")
+    recorded().folder.rename(part)
+    (part / HEADER).write_text("{}")
+    old = time.time() - SILENT_S - 1
+    os.utime(part / HEADER, (old, old))
+    desk = open_takes()
+    desk.until(lambda: "cannot be completed" in desk.window.message_bar.text)
+    desk.window.message_bar.tell("")
+    for _ in range(2):
+        with desk.qtbot.waitSignal(desk.takes.shelf.changed):
+            desk.takes.shelf.refresh()
+    assert desk.window.message_bar.text == "" and part.exists()
 
 
 def test_a_film_shows_the_chosen_avatar_in_the_chosen_way(open_takes, tmp_path):
