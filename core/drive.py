@@ -151,10 +151,6 @@ class Drive:
         if 1 <= key <= len(keys):
             self._fades.release(key, keys[key - 1].hold)
 
-    def release_all(self) -> None:
-        """Let all faces of keys fade out."""
-        self._fades.clear()
-
     @property
     def keys_shown(self) -> tuple[bool, ...]:
         """Which keys' faces are wanted."""

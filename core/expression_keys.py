@@ -38,10 +38,6 @@ class KeyFades:
         if hold:
             self._wanted[key - 1] = False
 
-    def clear(self) -> None:
-        """Let every face fade out."""
-        self._wanted[:] = [False] * N_KEYS
-
     @property
     def idle(self) -> bool:
         """Whether no key has any effect."""

@@ -65,10 +65,6 @@ def _marks(*names: str) -> frozenset[int]:
     return frozenset(NAMES.index(name) for name in names)
 
 
-def _half(group: str, side: str) -> frozenset[int]:
-    return frozenset(n for n in GROUPS[group] if NAMES[n].startswith(side))
-
-
 def _cheek(side: str) -> frozenset[int]:
     corners = _marks(f"{side}_mouth_corner", f"{side}_lipin_corner")
     return corners | _marks(*(f"{side}{n}" for n in range(2, 8)))

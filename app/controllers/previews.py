@@ -41,11 +41,6 @@ class Previews(QObject):
         self._refused: set[str] = set()
         self._opening = ""
 
-    @property
-    def open_keys(self) -> tuple[str, ...]:
-        """What is open, or being opened."""
-        return tuple(self._loops)
-
     def loop(self, key: str) -> PreviewLoop | None:
         """Return the thread that reads a source, None if it is not open."""
         return self._loops.get(key)

@@ -103,11 +103,6 @@ class PictureView(QWidget):
         self._image, self._layers, self._badge = image, tuple(layers), badge
         self.update()
 
-    def set_badge(self, badge: str) -> None:
-        """Change the remark over the picture."""
-        self._badge = badge
-        self.update()
-
     def set_surround(self, color: QColor | None) -> None:
         """Fill what the picture leaves free with a colour, or with None leave it transparent."""
         self._surround = color
