@@ -19,11 +19,11 @@ class Inviting:
 
         Args:
             window: Shows it.
-            newcomer: Tells whether somebody without any profile is tracked.
+            newcomer: Tells whether a source is played, or being opened, without any profile.
         """
         self._window, self._newcomer = window, newcomer
         self._spell = FreeSpell()
-        self.declined = False
+        self.declined, self._tracked = False, False
         window.card.dismissed.connect(self._on_dismissed)
 
     def look(self, profile: str, unusable: bool, making: bool, state: FaceState | None) -> None:
@@ -43,7 +43,11 @@ class Inviting:
         else:
             hint = MAKING if making else ""
         self._window.show_hint(hint)
-        self._window.card.setVisible(self._newcomer() and not making and not self.declined)
+        newcomer = self._newcomer()
+        # The card says that tracking works: not before it does; then it stays, whoever moves.
+        sees_face = state is not None and not state.lost
+        self._tracked = newcomer and (self._tracked or sees_face)
+        self._window.card.setVisible(self._tracked and not making and not self.declined)
 
     def _on_dismissed(self) -> None:
         self.declined = True

@@ -6,11 +6,13 @@ from PySide6.QtGui import QDesktopServices
 
 from app.controllers.cpu_share import CpuShare
 from app.controllers.desk import open_desk
+from app.controllers.inviting import Inviting
 from app.controllers.remarks import state_name
 from app.errors import AppError
 from app.views.choice import Choice
 from app.views.message_bar import MessageBar
 from app.views.status_row import LiveNumbers, StatusRow
+from core.live import resting_state
 from tests.app.live_fakes import CAMERA, FakeEditor, FakeToolbox, make_state
 
 
@@ -39,6 +41,17 @@ def test_who_has_no_profile_is_invited_with_one_button_until_that_is_put_away(li
     assert window.card.button.text().replace("&", "") == "Set up my face (10 minutes)"
     qtbot.mouseClick(window.card.button, Qt.MouseButton.LeftButton)
     assert begun == [CAMERA]
+
+
+def test_nobody_is_told_to_be_tracked_before_a_face_is_seen(live, qtbot):
+    shown = []
+    window = live(FakeToolbox())
+    invite = Inviting(window, lambda: True)
+    lost, seen = resting_state("free"), make_state(0)
+    for state in (None, lost, seen, lost, None):
+        invite.look("", False, False, state)
+        shown.append(not window.card.isHidden())
+    assert shown == [False, False, True, True, True]
 
 
 def test_an_invitation_put_away_does_not_come_back_at_the_next_start(live, qtbot):
