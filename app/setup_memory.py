@@ -1,6 +1,7 @@
 """What the guided setup remembers of the user's choices from one time to the next."""
 
 import json
+import os
 from contextlib import suppress
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -39,4 +40,6 @@ def save_choices(path: Path, choices: SetupChoices) -> None:
     """Write the choices; where that cannot be they are asked for again next time."""
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(asdict(choices)), encoding="utf-8")
+        fresh = path.with_name(path.name + ".new")
+        fresh.write_text(json.dumps(asdict(choices)), encoding="utf-8")
+        os.replace(fresh, path)

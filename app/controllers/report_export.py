@@ -1,7 +1,9 @@
 """The report of a training as a file of its own: HTML or PDF, with the plots in it."""
 
+import os
 from base64 import b64encode
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 from PySide6.QtCore import QBuffer, QIODevice, QMarginsF, QUrl
@@ -39,7 +41,7 @@ def write_report(path: Path, title: str, body: str, plots: Mapping[str, QImage])
         ReportUnwritableError: It cannot be written.
     """
     if path.suffix.lower() == ".pdf":
-        _write_pdf(path, title, body, plots)
+        _replace(path, _pdf(title, body, plots))
         return path
     path = path if path.suffix.lower() in (".html", ".htm") else path.with_name(f"{path.name}.html")
     pictures = "".join(
@@ -47,11 +49,20 @@ def write_report(path: Path, title: str, body: str, plots: Mapping[str, QImage])
         f"alt='{name}'></figure>"
         for name, image in plots.items()
     )
-    try:
-        path.write_text(report_page(title, body + pictures), encoding="utf-8")
-    except OSError as error:
-        raise ReportUnwritableError(path, (error.strerror or str(error)).lower()) from None
+    _replace(path, report_page(title, body + pictures).encode("utf-8"))
     return path
+
+
+def _replace(path: Path, content: bytes) -> None:
+    """Write a file, whole or not at all: a report of that name stays until the new one is there."""
+    fresh = path.with_name(path.name + ".new")
+    try:
+        fresh.write_bytes(content)
+        os.replace(fresh, path)
+    except OSError as error:
+        with suppress(OSError):
+            fresh.unlink()
+        raise ReportUnwritableError(path, (error.strerror or str(error)).lower()) from None
 
 
 def _png(image: QImage) -> bytes:
@@ -61,14 +72,10 @@ def _png(image: QImage) -> bytes:
     return bytes(buffer.data().data())
 
 
-def _write_pdf(path: Path, title: str, body: str, plots: Mapping[str, QImage]) -> None:
-    try:
-        # The writer itself does not tell why it cannot write.
-        with path.open("ab"):
-            pass
-    except OSError as error:
-        raise ReportUnwritableError(path, (error.strerror or str(error)).lower()) from None
-    writer = QPdfWriter(str(path))
+def _pdf(title: str, body: str, plots: Mapping[str, QImage]) -> bytes:
+    buffer = QBuffer()
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    writer = QPdfWriter(buffer)
     writer.setTitle(f"facepuppet: {title}")
     # The document brings its own margins of 2 cm.
     page, none = QPageSize(QPageSize.PageSizeId.A4), QMarginsF(0, 0, 0, 0)
@@ -85,3 +92,4 @@ def _write_pdf(path: Path, title: str, body: str, plots: Mapping[str, QImage]) -
     rows = ["".join(cells[n : n + 2]) for n in range(0, len(cells), 2)]
     document.setHtml(f"{body}<table>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>")
     document.print_(writer)
+    return bytes(buffer.data().data())

@@ -233,6 +233,21 @@ def test_choices_are_kept_and_a_damaged_file_is_as_the_first_time(tmp_path):
     save_choices(tmp_path / "settings" / "setup.json" / "no", SetupChoices())
 
 
+def test_choices_that_cannot_be_written_to_their_end_leave_those_before(tmp_path, monkeypatch):
+    path = tmp_path / "setup.json"
+    kept = SetupChoices("Laptop camera", False, False)
+    save_choices(path, kept)
+
+    def full(self, *content, **settings):
+        with self.open("wb") as file:
+            file.write(b"{")
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("pathlib.Path.write_text", full)
+    save_choices(path, SetupChoices())
+    assert load_choices(path) == kept
+
+
 def test_the_camera_of_the_last_time_is_chosen(qtbot, tmp_path, monkeypatch):
     setup = open_setup(qtbot, tmp_path / "profiles", {}, monkeypatch, (CAMERA, OTHER_CAMERA))
     setup.controller._choices = SetupChoices("Camera 2")

@@ -227,6 +227,25 @@ def test_a_name_without_an_ending_becomes_a_page(qtbot, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["a.html", "a.pdf"])
+def test_a_report_that_cannot_be_written_to_its_end_leaves_the_one_before(
+    qtbot, monkeypatch, tmp_path, name
+):
+    path = write_report(tmp_path / name, "me", "", {})
+    before = path.read_bytes()
+
+    def full(self, *content, **settings):
+        with self.open("wb") as file:
+            file.write(b"half")
+        raise OSError(28, "No space left on device")
+
+    for how in ("write_bytes", "write_text"):
+        monkeypatch.setattr(Path, how, full)
+    with pytest.raises(ReportUnwritableError, match="no space left"):
+        write_report(path, "me", "more", {})
+    assert path.read_bytes() == before and list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("name", ["a.html", "a.pdf"])
 def test_where_no_report_can_be_written_is_told(qtbot, desk, monkeypatch, tmp_path, name):
     told = exported(desk, monkeypatch, tmp_path / "nowhere" / name)
     assert "annot write" in told and "no such file" in told
