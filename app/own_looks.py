@@ -27,14 +27,14 @@ from app.avatars.likeness.judge import Likeness
 from app.avatars.likeness.make import make_likeness
 from app.avatars.looks import Looks
 from app.errors import AppError
-from app.profiles import data_folder, load_setup_images
+from app.profiles import data_folder, decoded
 from app.replacing import REPLACING, check_edition, edition
 from app.resources import asset
 from core.errors import CoreError
 from core.face_model import FaceModel
 from core.generations import reason_of
 from core.records import U8, Progress, UserBlendshapes
-from core.store import Profile, load
+from core.store import Profile, load, load_pictures
 
 #: Raised when looks are made in another way, so that they are made again.
 VERSION = 1
@@ -78,7 +78,7 @@ def likeness_steps(folder: Path, model: FaceModel) -> Generator[Progress, None, 
     if kept is not None and (kept.skin is not None or _file(folder, profile.user).exists()):
         return kept
     yield Progress(0, 1, "Reading the pictures")
-    pictures = _pictures(folder, profile)
+    pictures = yield from _pictures(folder, profile)
     if pictures is None:
         return None
     made = yield from make_likeness(model, pictures, asset("textures") / "skin")
@@ -173,13 +173,20 @@ def forget_skin(folder: Path) -> None:
         _replace(path, buffer.getvalue())
 
 
-def _pictures(folder: Path, profile: Profile) -> Pictures | None:
-    """Return the pictures of a profile, None if it has none."""
+def _pictures(folder: Path, profile: Profile) -> Generator[Progress, None, Pictures | None]:
+    """Return the pictures of a profile, None if they are not all there."""
     try:
-        images = load_setup_images(folder, profile)
+        files = {Path(name).stem: content for name, content in load_pictures(folder).items()}
     except CoreError:
         return None
-    return Pictures(images.images, profile.landmarks, profile.shapes, profile.camera, profile.user)
+    images = []
+    for name in profile.names:
+        yield Progress(0, 1, "Reading the pictures")
+        rgb = decoded(files.get(name, b""))
+        if rgb is None:
+            return None
+        images.append(rgb)
+    return Pictures(images, profile.landmarks, profile.shapes, profile.camera, profile.user)
 
 
 def _style_in(path: Path) -> str:

@@ -6,13 +6,23 @@ from pathlib import Path
 from PySide6.QtCore import QObject, QTimer
 from PySide6.QtGui import QAction, QActionGroup
 
+from app.avatars.likeness.judge import Likeness
 from app.controllers.live import LiveController
-from app.own_looks import HAIR_STYLES, choose_hair, chosen_hair, likeness_steps
+from app.errors import AppError
+from app.own_looks import (
+    HAIR_STYLES,
+    LooksUnwritableError,
+    choose_hair,
+    chosen_hair,
+    likeness_steps,
+)
 from app.painting import OWN
 from app.priority import stepping_back
+from app.replacing import ProfileChangedError
 from app.resources import asset
 from app.views.live_window import LiveWindow
 from app.workers.job import Job
+from core.errors import CoreError
 from core.face_model import load_face_model
 from core.records import Progress
 
@@ -23,10 +33,10 @@ WORDS = {
     "bald": "&None",
 }  # fmt: skip
 MADE = "Your own avatar now has your own skin."
-Maker = Callable[[Path], Generator[Progress, None, object]]
+Maker = Callable[[Path], Generator[Progress, None, Likeness | None]]
 
 
-def own_looks_in(folder: Path) -> Generator[Progress, None, object]:
+def own_looks_in(folder: Path) -> Generator[Progress, None, Likeness | None]:
     """Make the looks of a profile's user unless they are there; return them or None."""
     model = load_face_model(asset("face_model.npz"))
     return (yield from stepping_back(likeness_steps(folder, model)))
@@ -73,6 +83,7 @@ class OwnAvatar(QObject):
         self._job = Job(self._make(self._folder_of(self._profile)), self)
         self._job.progressed.connect(self._on_progressed)
         self._job.returned.connect(self._on_returned)
+        self._job.failed.connect(self._on_failed)
         self._job.finished.connect(self._on_finished)
         self._job.start()
 
@@ -86,7 +97,12 @@ class OwnAvatar(QObject):
 
     def choose(self, style: str) -> None:
         """Let the own avatar of the profile wear other hair, one of HAIR_STYLES."""
-        choose_hair(self._folder_of(self._profile), style)
+        try:
+            choose_hair(self._folder_of(self._profile), style)
+        except LooksUnwritableError as error:
+            self._window.message_bar.tell(str(error))
+            self._check_chosen()
+            return
         self._show_again()
 
     def _action(self, style: str) -> QAction:
@@ -99,17 +115,28 @@ class OwnAvatar(QObject):
     def _on_profile(self, profile: str) -> None:
         self._profile = profile
         self.hair.setEnabled(bool(profile))
-        style = chosen_hair(self._folder_of(profile)) if profile else ""
-        self._actions[style].setChecked(True)
+        self._check_chosen()
         if profile:
             self._begin_soon.start()
+
+    def _check_chosen(self) -> None:
+        style = chosen_hair(self._folder_of(self._profile)) if self._profile else ""
+        self._actions[style].setChecked(True)
 
     def _on_progressed(self) -> None:
         self._worked = True
 
-    def _on_returned(self, made: object) -> None:
-        if self._worked and made is not None:
-            self._show_again()
+    def _on_returned(self, made: Likeness | None) -> None:
+        if not self._worked or made is None:
+            return
+        self._show_again()
+        if made.skin is not None and self._controller.scene.avatar == OWN:
+            self._window.message_bar.announce(MADE)
+
+    def _on_failed(self, error: CoreError | AppError) -> None:
+        # Who deletes a profile wants no looks of it, and one that was trained anew is begun anew.
+        if not isinstance(error, ProfileChangedError):
+            self._window.message_bar.tell(str(error))
 
     def _on_finished(self) -> None:
         if self._job is None or not self._job.isFinished():

@@ -10,8 +10,10 @@ from app.avatars.gallery import Gallery
 from app.avatars.likeness.judge import Likeness
 from app.avatars.looks import Looks
 from app.controllers.desk import open_desk
-from app.controllers.own_avatar import OwnAvatar
+from app.controllers.own_avatar import MADE, OwnAvatar
+from app.controllers.player import Performer
 from app.own_looks import (
+    LooksUnwritableError,
     choose_hair,
     chosen_hair,
     forget_looks,
@@ -22,12 +24,18 @@ from app.own_looks import (
     stamp,
 )
 from app.painting import OWN, avatar_from
+from app.replacing import ProfileChangedError
 from app.resources import asset
+from app.shelf import Shelf
 from core.blendshapes import mean_user
 from core.face_model import load_face_model
 from core.records import Progress
-from tests.app.live_fakes import FakeToolbox
+from core.store import load
+from tests.app import test_editor
+from tests.app.live_fakes import FakeToolbox, FakeTracker
+from tests.app.test_editor import film  # noqa: F401  fixture
 
+filmed_folder = test_editor.folder
 GREEN = (40, 200, 60)
 
 
@@ -130,11 +138,13 @@ class Profiles:
     """Stands for the making of looks of profiles in a folder."""
 
     def __init__(self):
-        self.asked, self.result = [], "looks"
+        self.asked, self.result, self.error = [], Likeness(np.zeros((4, 4, 4)), Looks(), {}), None
 
     def __call__(self, folder):
         self.asked.append(folder.name)
         yield Progress(0, 1, "Making your own avatar")
+        if self.error is not None:
+            raise self.error
         return self.result
 
 
@@ -154,11 +164,12 @@ def desk(qtbot, monkeypatch, tmp_path):
 
 
 def test_looks_are_made_once_the_profile_plays_and_then_shown(qtbot, desk):
-    _, controller, own, profiles, _ = desk
+    window, controller, own, profiles, _ = desk
     shown = []
     controller.scene.choose = shown.append
     qtbot.waitUntil(lambda: shown == [OWN])
     assert profiles.asked == ["ann"]
+    qtbot.waitUntil(lambda: window.message_bar.text == MADE)
     controller.use_profile("ben")
     qtbot.waitUntil(lambda: profiles.asked == ["ann", "ben"])
     # A correction makes the same user better known.
@@ -193,6 +204,39 @@ def test_the_menu_of_hair_keeps_what_is_chosen_for_the_profile(qtbot, desk):
     assert not own.hair.isEnabled()
 
 
+def test_hair_that_cannot_be_kept_is_told_and_not_chosen(qtbot, desk, home):
+    window, _, own, profiles, _ = desk
+    qtbot.waitUntil(lambda: bool(profiles.asked) and own._job is None)
+    home.mkdir(exist_ok=True)
+    (home / "likeness").write_text("no folder")
+    own.hair.actions()[3].trigger()
+    assert "annot keep your own avatar's looks" in window.message_bar.text
+    assert own.hair.actions()[0].isChecked() and not own.hair.actions()[3].isChecked()
+
+
+def test_looks_that_cannot_be_kept_are_told_those_of_a_deleted_profile_are_not(qtbot, desk):
+    window, _, own, profiles, folder = desk
+    qtbot.waitUntil(lambda: bool(profiles.asked) and own._job is None)
+    for error, told in (
+        (ProfileChangedError(folder, "deleted"), False),
+        (LooksUnwritableError(folder, "no space left"), True),
+    ):
+        profiles.error, count = error, len(profiles.asked)
+        own.begin()
+        qtbot.waitUntil(lambda count=count: len(profiles.asked) > count and own._job is None)
+        assert (str(error)[1:] in window.message_bar.text) == told
+
+
+def test_the_avatar_knows_which_profile_plays(qtbot, desk, tmp_path):
+    _, controller, _, _, _ = desk
+    qtbot.waitUntil(lambda: controller._performing.plays)
+    performer = Performer(FakeTracker(FakeToolbox(), "trained"), None, folder=tmp_path / "ann")
+    controller._performing.swap(performer)
+    assert controller.scene._cast.folder == tmp_path / "ann"
+    controller.scene.choose("nora")
+    assert controller.scene._cast.folder == tmp_path / "ann"
+
+
 def test_making_looks_changes_no_file_of_the_profile(model, user, tmp_path, monkeypatch):
     """The profile is only read; looks lie elsewhere."""
     folder = tmp_path / "ann"
@@ -212,12 +256,16 @@ def test_making_looks_changes_no_file_of_the_profile(model, user, tmp_path, monk
     profile.landmarks = profile.shapes = profile.camera = None
     made = Likeness(None, Looks(skin=(1, 2, 3)), {})
 
+    def read(folder, profile):
+        yield Progress(0, 1, "")
+        return "pictures"
+
     def make(model, pictures, maps):
         yield Progress(0, 1, "")
         return made
 
     monkeypatch.setattr(own_looks, "load", lambda _: profile)
-    monkeypatch.setattr(own_looks, "_pictures", lambda *_: "pictures")
+    monkeypatch.setattr(own_looks, "_pictures", read)
     monkeypatch.setattr(own_looks, "make_likeness", make)
     before = digest()
     assert list(likeness_steps(folder, model))
@@ -225,3 +273,50 @@ def test_making_looks_changes_no_file_of_the_profile(model, user, tmp_path, monk
     assert load_likeness(user).looks.skin == (1, 2, 3)
     # The second time they are there already.
     assert list(likeness_steps(folder, model)) == []
+
+
+def test_a_copied_profile_wears_its_own_hair(user, likeness, tmp_path):
+    ann, copy = tmp_path / "ann", tmp_path / "ann glasses"
+    save_likeness(ann, user, likeness)
+    choose_hair(copy, "bald")
+    assert load_likeness(user, copy).looks.hair_style == "bald"
+    assert load_likeness(user, ann).looks.hair_style == "short"
+    assert stamp(user, copy) != stamp(user, ann)
+    save_likeness(copy, user, likeness)
+    choose_hair(ann, "bob")
+    assert load_likeness(user, copy).looks.hair_style == "bald"
+    assert load_likeness(user, ann).looks.hair_style == "bob"
+
+
+@pytest.mark.parametrize("deletion", ["delete", "delete_pictures"])
+def test_own_looks_of_a_profile_that_is_deleted_meanwhile_are_not_kept(
+    filmed_folder, likeness, monkeypatch, deletion
+):
+    def make(model, pictures, maps):
+        getattr(Shelf(filmed_folder.parent), deletion)("me")
+        yield Progress(0, 1, "Making your own avatar")
+        return likeness
+
+    monkeypatch.setattr(own_looks, "make_likeness", make)
+    user = load(filmed_folder).user
+    with pytest.raises(ProfileChangedError):
+        list(likeness_steps(filmed_folder, None))
+    assert load_likeness(user) is None
+
+
+def test_a_copy_makes_its_own_skin_where_the_other_profiles_was_deleted(
+    filmed_folder, likeness, monkeypatch
+):
+    def make(model, pictures, maps):
+        yield Progress(0, 1, "Making your own avatar")
+        return likeness
+
+    monkeypatch.setattr(own_looks, "make_likeness", make)
+    user = load(filmed_folder).user
+    list(likeness_steps(filmed_folder, None))
+    shelf = Shelf(filmed_folder.parent)
+    shelf.duplicate("me", "copy")
+    shelf.delete_pictures("me")
+    list(likeness_steps(shelf.folder / "copy", None))
+    assert load_likeness(user, shelf.folder / "copy").skin is not None
+    assert load_likeness(user, filmed_folder).skin is None

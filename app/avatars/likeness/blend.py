@@ -1,6 +1,9 @@
-"""Joins what the pictures show into one texture, and painted skin where none shows anything."""
+"""Joins what the pictures show into one texture, and painted skin where none shows anything.
 
-from collections.abc import Sequence
+What takes long is a generator that stops now and then, so that it can be given up.
+"""
+
+from collections.abc import Generator, Sequence
 
 import cv2
 import numpy as np
@@ -28,7 +31,9 @@ _FLOOR = 0.06
 _AGREEING = 2
 
 
-def agreeing(ground: Ground, albedos: Sequence[F32], weights: Sequence[F32]) -> list[F32]:
+def agreeing(
+    ground: Ground, albedos: Sequence[F32], weights: Sequence[F32]
+) -> Generator[None, None, list[F32]]:
     """Return the pictures' albedos (X, 3), brought to what they say in common.
 
     What the light's model leaves is smooth: each picture is multiplied by a smooth function on
@@ -38,15 +43,19 @@ def agreeing(ground: Ground, albedos: Sequence[F32], weights: Sequence[F32]) -> 
     total = np.maximum(np.sum(weights, axis=0), 1e-6)
     mean = np.sum([w[:, None] * log for w, log in zip(weights, logs, strict=True)], axis=0)
     mean = (mean / total[:, None]).astype(np.float32)
+    yield
     out = []
     for albedo, log, weight in zip(albedos, logs, weights, strict=True):
         off, trust = at_vertices(ground.atlas, mean - log, weight)
         smooth = ground.mesh.extended(np.clip(off, -_MOST_OFF, _MOST_OFF), 0.02 * trust)
         out.append(albedo * np.exp(ground.atlas.at_texels(smooth)))
+        yield
     return out
 
 
-def agreed_weights(albedos: Sequence[F32], weights: Sequence[F32], atlas: Atlas) -> list[F32]:
+def agreed_weights(
+    albedos: Sequence[F32], weights: Sequence[F32], atlas: Atlas
+) -> Generator[None, None, list[F32]]:
     """Return weights (X,) that trust no texel which looks otherwise than in most pictures.
 
     Highlights wander over the skin when the head turns, and what stands before the skin, as the
@@ -56,6 +65,7 @@ def agreed_weights(albedos: Sequence[F32], weights: Sequence[F32], atlas: Atlas)
     first = np.stack(weights)
     trust = np.ones_like(first)
     for _ in range(_AGREEING):
+        yield
         now = trust * first
         mean = (now * logs).sum(axis=0) / np.maximum(now.sum(axis=0), 1e-6)
         off = logs - mean
@@ -65,10 +75,13 @@ def agreed_weights(albedos: Sequence[F32], weights: Sequence[F32], atlas: Atlas)
     for share, weight in zip(trust.astype(np.float32), weights, strict=True):
         soft = blurred(share[:, None], weight, atlas, _SOFT)[:, 0]
         out.append(np.asarray(weight * (_FLOOR + (1 - _FLOOR) * soft), np.float32))
+        yield
     return out
 
 
-def joined(albedos: Sequence[F32], weights: Sequence[F32], atlas: Atlas) -> F32:
+def joined(
+    albedos: Sequence[F32], weights: Sequence[F32], atlas: Atlas
+) -> Generator[None, None, F32]:
     """Return one albedo (X, 3): the coarse mean of all, the fine detail of the best."""
     width = _COARSE * atlas.size_px / 1024
     coarse_sum = np.zeros_like(albedos[0])
@@ -83,6 +96,7 @@ def joined(albedos: Sequence[F32], weights: Sequence[F32], atlas: Atlas) -> F32:
         coarse_total += weight
         fine_sum += sharp[:, None] * (albedo - coarse)
         fine_total += sharp
+        yield
     return np.asarray(
         coarse_sum / coarse_total[:, None] + fine_sum / fine_total[:, None], np.float32
     )

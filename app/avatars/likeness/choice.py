@@ -38,8 +38,16 @@ class Choice:
     lids: tuple[int, ...]
 
 
-def choose(images: Sequence[U8], landmarks: Sequence[Landmarks2D], shapes: SetupShapes) -> Choice:
-    """Return the pictures to use: sharp, at rest, from different sides."""
+def choose(
+    sharpnesses: Sequence[float], landmarks: Sequence[Landmarks2D], shapes: SetupShapes
+) -> Choice:
+    """Return the pictures to use: sharp, at rest, from different sides.
+
+    Args:
+        sharpnesses: `sharpness` of each picture.
+        landmarks: Theirs.
+        shapes: The 3D shape of each.
+    """
     sure = np.array([mark.confidence.mean() for mark in landmarks])
     usable = np.isfinite(shapes.rms_px) & (sure > 0.35)
     if not usable.any():
@@ -49,7 +57,7 @@ def choose(images: Sequence[U8], landmarks: Sequence[Landmarks2D], shapes: Setup
     shut = moved[:, _BLINK].min(axis=1)
     moved[:, _BLINK] = 0
     motion = moved.sum(axis=1)
-    sharp = np.array([sharpness(image) for image in images])
+    sharp = np.array(sharpnesses)
     sharp = sharp / max(float(np.median(sharp[usable])), 1e-6)
     cost = 9.0 * motion + 14.0 * np.maximum(1 - sharp, 0) + 25.0 * shut
     cost += 0.4 * np.abs(angles[:, 2])

@@ -1,6 +1,6 @@
 """Finds the rims of glasses in the pictures: they stand before the skin and are none of it."""
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 
 import cv2
 import numpy as np
@@ -23,7 +23,9 @@ _LEAST, _LOOKED_AT, _AROUND = 0.11, 4, 9
 _SMALLER = 3
 
 
-def without_rims(ground: Ground, albedos: Sequence[F32], weights: Sequence[F32]) -> list[F32]:
+def without_rims(
+    ground: Ground, albedos: Sequence[F32], weights: Sequence[F32]
+) -> Generator[None, None, list[F32]]:
     """Return weights (X,) that trust no texel before which the rim of glasses is.
 
     Without glasses the weights are as before: lines of a face are fine or below the eyes.
@@ -32,6 +34,9 @@ def without_rims(ground: Ground, albedos: Sequence[F32], weights: Sequence[F32])
         ground: Of all pictures.
         albedos: (X, 3) of each picture.
         weights: (X,) of each picture.
+
+    Yields:
+        Nothing, after each picture.
     """
     zone, bare = _zones(ground)
     shares = []
@@ -39,13 +44,15 @@ def without_rims(ground: Ground, albedos: Sequence[F32], weights: Sequence[F32])
         seen = bare & (weight > 0.3)
         line = _dark_lines(ground, albedo, weight)
         shares.append((line & seen).sum() / max(int(seen.sum()), 1))
+        yield
     if np.median(shares) < _LEAST:
         return list(weights)
-    lines = [_dark_lines(ground, *pair) for pair in zip(albedos, weights, strict=True)]
-    return [
-        np.asarray(weight * ~(zone & _wider(ground, line)), np.float32)
-        for line, weight in zip(lines, weights, strict=True)
-    ]
+    out = []
+    for albedo, weight in zip(albedos, weights, strict=True):
+        line = _dark_lines(ground, albedo, weight)
+        out.append(np.asarray(weight * ~(zone & _wider(ground, line)), np.float32))
+        yield
+    return out
 
 
 def _zones(ground: Ground) -> tuple[BoolArray, BoolArray]:

@@ -1,5 +1,6 @@
 """Whether a texture from pictures explains the user's pictures better than painted skin."""
 
+from collections.abc import Generator
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,7 +51,7 @@ class Skins:
 
 def judged(
     ground: Ground, pictures: Pictures, chosen: Choice, room: RoomLight, skins: Skins, looks: Looks
-) -> Likeness:
+) -> Generator[None, None, Likeness]:
     """Return the likeness with the own skin if it is good, else with colours alone.
 
     Args:
@@ -60,13 +61,18 @@ def judged(
         room: Their light.
         skins: To be judged.
         looks: Of the user.
+
+    Yields:
+        Nothing, after each picture.
     """
     rows = _others(pictures, chosen)
     errors = []
     for row in rows:
         head = pictures.head(ground.model, row)
         view = view_of(pictures.images[row], head, pictures.camera, ground.atlas, ground.model)
+        yield
         errors.append([_distance(ground, view, room, skin) for skin in (skins.own, skins.painted)])
+        yield
     own, painted = np.mean(errors, axis=0)
     face = ground.window > 0.5
     cover = float(np.mean(skins.share[face] > 0.5))

@@ -3,6 +3,7 @@
 from collections.abc import Generator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TypeVar
 
 import cv2
 import numpy as np
@@ -16,7 +17,7 @@ from app.avatars.likeness.blend import (
     joined,
     toning,
 )
-from app.avatars.likeness.choice import choose
+from app.avatars.likeness.choice import choose, sharpness
 from app.avatars.likeness.colors import Frontal, as_color, hair_of, iris_of, white_of_eyes
 from app.avatars.likeness.glasses import without_rims
 from app.avatars.likeness.ground import Ground, Pictures, lay_ground
@@ -30,6 +31,8 @@ from app.render.scene import DEFAULTS, studio_lights
 from core.face_model import FaceModel
 from core.records import F32, U8, BoolArray, FloatArray, Progress
 
+T = TypeVar("T")
+LABEL = "Making your own avatar"
 #: Pictures whose hair and eyes are looked at: the most frontal ones.
 _FRONTAL = 4
 #: Vertices with so little weight are not shown; the width over which they fade in.
@@ -53,15 +56,16 @@ def make_likeness(
     Yields:
         Progress.
     """
-    label = "Making your own avatar"
-    chosen = choose(pictures.images, pictures.landmarks, pictures.shapes)
+    sharp = yield from _told(_sharpnesses(pictures.images), 0, 1)
+    chosen = choose(sharp, pictures.landmarks, pictures.shapes)
     if not chosen.skin:
         return None
     ground = lay_ground(model, skin_maps)
     rows = (*chosen.skin, *chosen.lids)
+    total = len(rows) + 3
     heads, views = [], []
     for done, row in enumerate(rows):
-        yield Progress(done, len(rows) + 3, label)
+        yield Progress(done, total, LABEL)
         heads.append(pictures.head(model, row))
         views.append(view_of(pictures.images[row], heads[-1], pictures.camera, ground.atlas, model))
     if not any(_enough(ground, view.weight > 0.3) for view in views):
@@ -69,16 +73,37 @@ def make_likeness(
     room = room_light(views, ground.plain)
     frontal = _frontal(pictures, chosen.skin[:_FRONTAL], heads)
     room = replace(room, white=_white(ground, room, frontal))
-    yield Progress(len(rows), len(rows) + 3, label)
-    own, share = _own_albedo(ground, views, room, len(chosen.skin))
+    own, share = yield from _told(
+        _own_albedo(ground, views, room, len(chosen.skin)), len(rows), total
+    )
     if not _enough(ground, share > 0.5):
         return None
     looks = _looks(ground, frontal, room, own, share)
-    yield Progress(len(rows) + 1, len(rows) + 3, label)
+    yield Progress(len(rows) + 1, total, LABEL)
     painted = skin_texture(skin_maps, looks, ground.atlas.size_px)
-    skin = _texture(ground, own, share, painted)
-    yield Progress(len(rows) + 2, len(rows) + 3, label)
-    return judged(ground, pictures, chosen, room, Skins(skin, painted, share), looks)
+    yield Progress(len(rows) + 1, total, LABEL)
+    skins = Skins(_texture(ground, own, share, painted), painted, share)
+    judging = judged(ground, pictures, chosen, room, skins, looks)
+    return (yield from _told(judging, len(rows) + 2, total))
+
+
+def _told(steps: Generator[None, None, T], done: int, total: int) -> Generator[Progress, None, T]:
+    """Run steps and tell each time how much is done; return what they return."""
+    while True:
+        yield Progress(done, total, LABEL)
+        try:
+            next(steps)
+        except StopIteration as end:
+            # What a generator returns has no type here.
+            return end.value  # type: ignore[no-any-return]
+
+
+def _sharpnesses(images: Sequence[U8]) -> Generator[None, None, list[float]]:
+    out = []
+    for image in images:
+        out.append(sharpness(image))
+        yield
+    return out
 
 
 def _enough(ground: Ground, seen: BoolArray) -> bool:
@@ -102,7 +127,7 @@ def _white(ground: Ground, room: RoomLight, seen: Frontal) -> FloatArray:
 
 def _own_albedo(
     ground: Ground, views: Sequence[View], room: RoomLight, n_skin: int
-) -> tuple[F32, F32]:
+) -> Generator[None, None, tuple[F32, F32]]:
     """Return what the pictures show without their light, (X, 3), and where they do, (X,)."""
     lids = ground.maps["lids"]
     albedos, weights = [], []
@@ -113,8 +138,11 @@ def _own_albedo(
         # The first pictures are the frontal ones at rest.
         weight = view.weight * ground.window * only / (1 + 0.12 * number)
         weights.append(np.asarray(weight, np.float32))
-    weights = agreed_weights(albedos, without_rims(ground, albedos, weights), ground.atlas)
-    own = joined(agreeing(ground, albedos, weights), weights, ground.atlas)
+        yield
+    weights = yield from without_rims(ground, albedos, weights)
+    weights = yield from agreed_weights(albedos, weights, ground.atlas)
+    albedos = yield from agreeing(ground, albedos, weights)
+    own = yield from joined(albedos, weights, ground.atlas)
     return own, _shown_share(ground, own, np.max(weights, axis=0))
 
 
