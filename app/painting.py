@@ -11,6 +11,7 @@ from app.avatars.gallery import Gallery
 from app.avatars.painter import AvatarPainter as Drawer
 from app.avatars.painter import AvatarWish
 from app.avatars.views import Framing, overlay, portrait
+from app.background import BackgroundMaker
 from app.own_looks import load_likeness, stamp
 from app.picture_files import PictureShelf
 from app.render.avatar import Avatar
@@ -183,7 +184,7 @@ class LivePainter:
 
     def __init__(
         self, renderer: Renderer, model: FaceModel, size_px: tuple[int, int],
-        ladder: Ladder | None = None,
+        ladder: Ladder | None = None, *, meanwhile: bool = False,
     ) -> None:  # fmt: skip
         """Prepare to draw; avatars are made when first wished for.
 
@@ -192,6 +193,7 @@ class LivePainter:
             model: The shipped face model.
             size_px: (width, height) of the pictures.
             ladder: How well they are drawn; without it as well as can be done in time.
+            meanwhile: Let the avatar before play on while another is made, in a thread of its own.
         """
         self._renderer, self._drawer = renderer, Drawer(renderer)
         self._model, self._size_px = model, size_px
@@ -200,6 +202,8 @@ class LivePainter:
         self._pictures = PictureShelf()
         self._cast: Cast | None = None
         self._avatars: dict[Role, Avatar] = {}
+        self._maker = BackgroundMaker(self._make) if meanwhile else None
+        self._making = False
 
     def draw(self, wish: LiveWish) -> U8:
         """Return the picture (H, W, 4).
@@ -218,7 +222,8 @@ class LivePainter:
             self._avatar, framing, state.expression, state.gaze_rad, False, look, behind
         )
         picture = self._drawer.draw(drawn, quality.scale)
-        self._ladder.count(1000 * (time.perf_counter() - begun_s))
+        if not self._making:
+            self._ladder.count(1000 * (time.perf_counter() - begun_s))
         return picture
 
     @property
@@ -226,7 +231,7 @@ class LivePainter:
         """How the next picture will be drawn, if as many samples are asked for as for the last."""
         quality = self._ladder.quality
         samples = self._renderer.samples(min(self._asked_samples, quality.samples))
-        return Drawn(quality.scale, samples, self._renderer.software)
+        return Drawn(quality.scale, samples, self._renderer.software, self._making)
 
     def _behind(self, wish: LiveWish) -> U8 | None:
         """Return the picture that the background of a wish needs, if it needs one."""
@@ -235,17 +240,29 @@ class LivePainter:
         return None if wish.frame is None else wish.frame.rgb
 
     def _enter(self, cast: Cast) -> None:
-        """Centre the portrait anew, and make the avatar unless it was among the last ones."""
+        """Centre the portrait anew, with the cast's avatar as soon as there is one."""
         user = cast.user if cast.avatar == OWN else None
         role = (cast.avatar, user, cast.folder, 0 if user is None else stamp(user, cast.folder))
         # The last used is last; the first makes way.
-        avatar = self._avatars.pop(role, None)
-        avatar = avatar or avatar_from(self._gallery, cast.avatar, user, cast.folder)
+        avatar = self._avatars.pop(role, None) or self._made(role)
+        self._making = avatar is None
+        if avatar is None:
+            return
         self._avatars[role] = avatar
         if len(self._avatars) > KEPT_AVATARS:
             self._avatars.pop(next(iter(self._avatars)))
         self._avatar, self._cast = avatar, cast
         self._view = PortraitView(self._size_px, cast.user)
+
+    def _made(self, role: Role) -> Avatar | None:
+        """Return a new avatar, or None while it is made and another can play."""
+        if self._maker is None or self._cast is None:
+            return self._make(role)
+        return self._maker.take(role)
+
+    def _make(self, role: Role) -> Avatar:
+        name, user, folder, _ = role
+        return avatar_from(self._gallery, name, user, folder)
 
     @cached_property
     def _gallery(self) -> Gallery:

@@ -17,6 +17,7 @@ MAKING = "Tracking without a profile until the new one is made."
 STRANGER = "This profile does not fit the face in the picture: tracking without it."
 GETTING_READY = "Getting ready…\nThe very first time this takes half a minute."
 PREPARING = "Preparing the avatar…"
+NEXT_AVATAR = "Preparing {}…"
 WAITING = "The avatar comes with the source's picture."
 UNUSABLE = "This profile cannot be used: tracking without it. Choose another, or make a new one."
 BROKEN = (

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
-from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
 from app.errors import AppError
 from app.painting import Cast, LiveWish, resting
@@ -13,6 +13,9 @@ from app.render.look import AvatarLook
 from app.render.quality import Drawn
 from app.workers.avatar_loop import AvatarLoop, DrawingThread, Painted
 from core.records import FaceState, Frame, UserBlendshapes
+
+#: How often it is asked whether a new avatar is made, where no frames come that ask.
+ASK_EVERY_MS = 150
 
 
 class Studio(Protocol):
@@ -39,6 +42,10 @@ class AvatarScene(QObject):
         self._look = AvatarLook()
         self._last: LiveWish | None = None
         self._drawn = Drawn()
+        self._timer = QTimer(self)
+        self._timer.setSingleShot(True)
+        self._timer.setInterval(ASK_EVERY_MS)
+        self._timer.timeout.connect(self._on_waited)
 
     @property
     def plays(self) -> bool:
@@ -143,7 +150,16 @@ class AvatarScene(QObject):
         painted = self._loop.pictures.take() if self._loop is not None else None
         if painted is not None and painted.wish.cast is self._cast:
             self._drawn = painted.drawn
+            if painted.drawn.making:
+                self._timer.start()
+            else:
+                self._timer.stop()
             self.painted.emit(painted)
+
+    def _on_waited(self) -> None:
+        """Ask again for who was not made yet."""
+        if self._cast is not None:
+            self._ask_again(self._cast)
 
     def _on_failed(self, error: AppError) -> None:
         """Forget the thread, which has ended; the next choice starts another."""

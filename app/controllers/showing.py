@@ -9,7 +9,7 @@ from app.controllers.cpu_share import CpuShare
 from app.controllers.matching import DelayMatch
 from app.controllers.meter import Meter
 from app.controllers.overlays import MeshMaker, Overlays
-from app.controllers.remarks import SEARCHING, state_name
+from app.controllers.remarks import NEXT_AVATAR, SEARCHING, state_name
 from app.render.quality import Drawn
 from app.views.choice import Choice
 from app.views.live_window import LiveWindow
@@ -70,7 +70,8 @@ class Showing(QObject):
             self._meter.count_latency(1000 * (painted.ready_s - wish.delivered_s))
         self._drawn = painted.drawn
         layers = self.overlays.over_avatar(wish.state)
-        self._window.avatar_pane.show_picture(image_from_array(painted.picture), layers)
+        badge = NEXT_AVATAR.format(self._window.avatars.currentText()) if self._drawn.making else ""
+        self._window.avatar_pane.show_picture(image_from_array(painted.picture), layers, badge)
         if wish.frame is None or wish.solved is None:
             return
         if self._match.on_painted(wish.frame):

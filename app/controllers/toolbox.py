@@ -72,7 +72,7 @@ class Toolbox:
             for name in AVATARS
             if name != OWN
         ]
-        return [Choice(OWN, "Your own head"), *names]
+        return [Choice(OWN, "Your own head (Nora until the setup is done)"), *names]
 
     def profiles(self) -> list[str]:
         """Return the names of the profiles."""
@@ -126,7 +126,9 @@ class Toolbox:
         """Return the thread that draws avatars; it calls what it is given."""
 
         def make(renderer: Renderer) -> Callable[..., Painted]:
-            painter = LivePainter(renderer, self.models().face_model, AVATAR_SIZE_PX)
+            painter = LivePainter(
+                renderer, self.models().face_model, AVATAR_SIZE_PX, meanwhile=True
+            )
             return painted(painter.draw, lambda: painter.drawn)
 
         return RenderThread(make, done, failed)

@@ -26,11 +26,13 @@ class Drawn:
         scale: Share of its width and height at which the figure was drawn.
         samples: Per pixel; 0 where edges were smoothed afterwards.
         software: The processor drew it, not a graphics card.
+        making: It shows the avatar before, while the wished one is made.
     """
 
     scale: float = 1.0
     samples: int = 0
     software: bool = False
+    making: bool = False
 
 
 #: From the best down, where a graphics card averages samples, and where the processor draws.

@@ -1,3 +1,5 @@
+import threading
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +19,7 @@ from app.painting import (
     make_avatar,
     resting,
 )
+from app.render.quality import Ladder, Quality
 from app.resources import asset
 from core.arkit import EXPRESSION_NAMES
 from core.camera import camera_for
@@ -111,12 +114,47 @@ def test_a_user_who_looks_as_usual_and_one_not_yet_seen_look_straight_ahead(avat
 
 
 @pytest.mark.gl
+def test_the_avatar_before_plays_on_and_only_the_last_of_quick_choices_is_seen(model, monkeypatch):
+    made, gate = [], threading.Event()
+
+    def gated(gallery, name, *rest):
+        made.append(name)
+        if name != "nora":
+            assert gate.wait(20)
+        return avatar_from(gallery, name, *rest)
+
+    monkeypatch.setattr(painting, "avatar_from", gated)
+    renderer = renderer_or_skip()
+    try:
+        painter = LivePainter(renderer, model, (160, 120), Ladder((Quality(),)), meanwhile=True)
+        nora, leo, mei = (LiveWish(Cast(name, None), resting()) for name in ("nora", "leo", "mei"))
+        first = painter.draw(nora)
+        assert not painter.drawn.making
+        for wish in (leo, mei, mei):
+            np.testing.assert_array_equal(painter.draw(wish), first)
+            assert painter.drawn.making
+        moved = painter.draw(LiveWish(mei.cast, make_state(jawOpen=1.0)))
+        assert np.abs(moved.astype(int) - first).max() > 50
+        gate.set()
+        ends_s = time.monotonic() + 60
+        while painter.drawn.making and time.monotonic() < ends_s:
+            seen = painter.draw(mei)
+            assert painter.drawn.making == bool(np.array_equal(seen, first))
+            time.sleep(0.05)
+    finally:
+        gate.set()
+        renderer.release()
+    assert made in (["nora", "leo", "mei"], ["nora", "mei"])
+    assert np.abs(seen.astype(int) - first).max() > 50
+
+
+@pytest.mark.gl
 def test_the_live_painter_changes_avatars_and_keeps_the_last_ones(model, monkeypatch):
     made = []
 
-    def counted(gallery, name, user):
+    def counted(gallery, name, *rest):
         made.append(name)
-        return avatar_from(gallery, name, user)
+        return avatar_from(gallery, name, *rest)
 
     monkeypatch.setattr(painting, "avatar_from", counted)
     renderer = renderer_or_skip()
