@@ -11,7 +11,7 @@ from app.controllers.face_mesh import FaceMesh
 from app.controllers.player import Performer
 from app.views.layers import APPEARANCE_COLOR, AXIS_COLORS, Bars, Layer, Lines, Points, Trace
 from app.views.live_actions import LiveActions
-from app.workers.job import Job
+from app.workers.job_slot import JobSlot
 from core.arkit import EXPRESSION_NAMES
 from core.camera import project
 from core.fern_regressor import FernRegressor
@@ -48,7 +48,7 @@ class Overlays(QObject):
         self._performer: Performer | None = None
         self._user: UserBlendshapes | None = None
         self._mesh: FaceMesh | None = None
-        self._job: Job | None = None
+        self._job = JobSlot(self, self._make_mesh)
         self._history: deque[tuple[float, float, float]] = deque(maxlen=TRACE_FRAMES)
         deeds["mesh"].toggled.connect(self._make_mesh)
 
@@ -62,9 +62,9 @@ class Overlays(QObject):
         self._make_mesh()
 
     def stop(self) -> None:
-        """Wait for the end of what is being made."""
-        if self._job is not None:
-            self._job.cancel()
+        """Wait for the end of what is being made, and make nothing more."""
+        self._performer = None
+        self._job.stop()
 
     def note(self, frame: Frame, state: FaceState) -> None:
         """Remember how sure the tracker was; called in the live thread."""
@@ -119,27 +119,18 @@ class Overlays(QObject):
     # -- the mesh ------------------------------------------------------------------------
 
     def _make_mesh(self) -> None:
-        if self._job is not None or self._mesh is not None or self._performer is None:
+        if self._job.busy or self._mesh is not None or self._performer is None:
             return
         if not self._deeds.on("mesh"):
             return
-        self._job = Job(_mesh_steps(self._maker, self._user), self)
         user = self._user
-        self._job.returned.connect(lambda mesh: self._on_mesh(mesh, user))
-        self._job.finished.connect(self._on_finished)
-        self._job.start()
+        job = self._job.put(_mesh_steps(self._maker, user))
+        job.returned.connect(lambda mesh: self._on_mesh(mesh, user))
+        job.start()
 
     def _on_mesh(self, mesh: FaceMesh, user: UserBlendshapes | None) -> None:
         if user is self._user:
             self._mesh = mesh
-
-    def _on_finished(self) -> None:
-        if self._job is None or not self._job.isFinished():
-            return
-        self._job.wait()
-        self._job.deleteLater()
-        self._job = None
-        self._make_mesh()
 
 
 def _mesh_steps(

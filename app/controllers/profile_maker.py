@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from PySide6.QtCore import QObject, Signal
 
 from app.controllers.progress import remaining_text
-from app.workers.job import Job
+from app.workers.job_slot import JobSlot
 from core.records import Progress
 
 
@@ -37,37 +37,33 @@ class ProfileMaker(QObject):
         self, parent: QObject | None = None, clock: Callable[[], float] = time.monotonic
     ) -> None:
         super().__init__(parent)
-        self._clock = clock
-        self._job: Job | None = None
+        self._clock, self._cancelled = clock, False
+        self._job = JobSlot(self, self.finished.emit)
 
     @property
     def busy(self) -> bool:
         """Whether a profile is being made."""
-        return self._job is not None
+        return self._job.busy
 
     def start(self, steps: Generator[Progress, None, object]) -> None:
         """Begin; only while not busy."""
         self._started_s = self._clock()
         self._cancelled = False
-        self._job = Job(steps, self)
-        self._job.progressed.connect(self._on_progressed)
-        self._job.returned.connect(self.made)
-        self._job.failed.connect(self.failed)
-        self._job.finished.connect(self._on_finished)
-        self._job.start()
+        job = self._job.put(steps)
+        job.progressed.connect(self._on_progressed)
+        job.returned.connect(self.made)
+        job.failed.connect(self.failed)
+        job.start()
 
     def cancel(self) -> None:
         """Ask for an end, which comes after the step being made."""
-        if self._job is not None:
-            self._cancelled = True
-            self._job.requestInterruption()
+        self._cancelled = True
+        self._job.interrupt()
 
     def stop(self) -> None:
         """Ask for an end and wait for it."""
-        if self._job is not None:
-            self._cancelled = True
-            self._job.cancel()
-            self._on_finished()
+        self._cancelled = True
+        self._job.stop()
 
     def _on_progressed(self, progress: Progress) -> None:
         if self._cancelled:
@@ -77,11 +73,3 @@ class ProfileMaker(QObject):
         text = f"{progress.label}, {left}" if left else progress.label
         self.progressed.emit(text, round(100 * share))
         self.noted.emit(progress)
-
-    def _on_finished(self) -> None:
-        if self._job is None or not self._job.isFinished():
-            return
-        self._job.wait()
-        self._job.deleteLater()
-        self._job = None
-        self.finished.emit()

@@ -6,7 +6,7 @@ from PySide6.QtCore import QObject, Signal
 
 from app.controllers.player import Opener, Performer
 from app.errors import AppError
-from app.workers.job import Job
+from app.workers.job_slot import JobSlot
 from core.errors import CoreError
 from core.records import Progress
 
@@ -20,7 +20,7 @@ class ProfileSwitch(QObject):
     def __init__(self, opener: Opener, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._opener = opener
-        self._job: Job | None = None
+        self._job = JobSlot(self, self._load_next)
         self._loading = ""
         self._next: str | None = None
         self._wanted = False
@@ -29,7 +29,7 @@ class ProfileSwitch(QObject):
         """Load a profile, or with an empty name what needs none; the wish before is forgotten."""
         self._next = profile
         self._wanted = False
-        if self._job is None:
+        if not self._job.busy:
             self._load_next()
 
     def forget(self) -> None:
@@ -39,20 +39,17 @@ class ProfileSwitch(QObject):
     def stop(self) -> None:
         """Drop all wishes and wait for the end."""
         self.forget()
-        if self._job is not None:
-            self._job.cancel()
-            self._on_finished()
+        self._job.stop()
 
     def _load_next(self) -> None:
         if self._next is None:
             return
         self._loading, self._next = self._next, None
         self._wanted = True
-        self._job = Job(_steps(self._opener, self._loading), self)
-        self._job.returned.connect(self._on_returned)
-        self._job.failed.connect(self._on_failed)
-        self._job.finished.connect(self._on_finished)
-        self._job.start()
+        job = self._job.put(_steps(self._opener, self._loading))
+        job.returned.connect(self._on_returned)
+        job.failed.connect(self._on_failed)
+        job.start()
 
     def _on_returned(self, performer: Performer) -> None:
         if self._wanted:
@@ -61,14 +58,6 @@ class ProfileSwitch(QObject):
     def _on_failed(self, error: CoreError | AppError) -> None:
         if self._wanted:
             self.failed.emit(self._loading, error)
-
-    def _on_finished(self) -> None:
-        if self._job is None or not self._job.isFinished():
-            return
-        self._job.wait()
-        self._job.deleteLater()
-        self._job = None
-        self._load_next()
 
 
 def _steps(opener: Opener, profile: str) -> Generator[Progress, None, Performer]:

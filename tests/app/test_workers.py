@@ -4,10 +4,12 @@ import time
 
 import numpy as np
 import pytest
+from PySide6.QtCore import QObject, QThread
 
 from app.errors import AppError, CameraLostError
 from app.session import STAGES, Session
 from app.workers.job import Job
+from app.workers.job_slot import JobSlot
 from app.workers.latest import Latest
 from app.workers.live_loop import LiveLoop
 from core.errors import NoFaceError
@@ -117,6 +119,37 @@ def test_a_bug_in_a_job_goes_to_the_except_hook_and_the_job_still_finishes(qtbot
         job.start()
     job.wait()
     assert caught == [ZeroDivisionError]
+
+
+def test_a_slot_is_free_when_the_next_job_may_come_also_after_a_stop(qtbot):
+    ended, threads, parent = [], [], QObject()
+    slot = JobSlot(
+        parent, lambda: (ended.append(slot.busy), threads.append(QThread.currentThread()))
+    )
+
+    def endless():
+        while True:
+            yield Progress(0, 1, "on and on")
+
+    slot.put(iter_of(1)).start()
+    assert slot.busy
+    qtbot.waitUntil(lambda: ended == [False])
+    slot.stop()
+    assert ended == [False]
+    slot.put(endless()).start()
+    slot.stop()
+    assert ended == [False, False] and not slot.busy
+    # What the stopped job still sends finds another job in the place, and leaves it there.
+    slot.put(endless()).start()
+    qtbot.wait(50)
+    assert slot.busy
+    slot.interrupt()
+    qtbot.waitUntil(lambda: ended == [False] * 3)
+    assert set(threads) == {parent.thread()}
+
+
+def iter_of(n_steps):
+    yield from (Progress(n, n_steps, "a step") for n in range(n_steps))
 
 
 def test_live_loop_solves_every_frame_and_closes_the_source_in_its_thread(qtbot):
