@@ -8,7 +8,7 @@ from app.avatars.assembly import Assembly
 from app.avatars.bob import curtain
 from app.avatars.bust import fitted_bust, neck_openness, neck_uv
 from app.avatars.complexion import skin_texture
-from app.avatars.hair import CUTS, Cut, Scalp, combed, hair_mm, strands
+from app.avatars.hair import CUTS, Cut, combed, hair_mm, strands
 from app.avatars.hairline import above_hairline_mm
 from app.avatars.head import Surface, eye_radii_mm, lid_rows, lip_rows, surface
 from app.avatars.looks import Looks
@@ -87,7 +87,7 @@ def dressed(
     _add_mouth_and_lashes(assembly, model, looks, wardrobe)
     if looks.hair_style in CUTS:
         material = costume.hair if costume and costume.hair else strands(looks, rng)
-        _add_hair(assembly, head, CUTS[looks.hair_style], wardrobe.scalp, material)
+        _add_hair(assembly, head, CUTS[looks.hair_style], wardrobe, material)
     for worn in costume.worn if costume else ():
         _add_worn(assembly, worn)
     centers = eye_centers_mm(model, neutral)
@@ -161,11 +161,14 @@ def _add_mouth_and_lashes(
         assembly.add_surface(material, lashes.triangles, lashes.uv)
 
 
-def _add_hair(assembly: Assembly, head: Head, cut: Cut, scalp: Scalp, material: Material) -> None:
+def _add_hair(
+    assembly: Assembly, head: Head, cut: Cut, wardrobe: Wardrobe, material: Material
+) -> None:
     """Add the hair; the brows' muscles move the scalp a little."""
+    scalp = wardrobe.scalp
     deltas = np.stack([scalp.mix @ delta for delta in head.deltas_mm]).astype(np.float32)
     uv = combed(scalp.mix @ head.neutral_mm)[scalp.triangles] * [6.0, 2.0]
-    coverage = np.clip((scalp.above_mm + 2) / 12.0, 0, 1)
+    coverage = np.clip((scalp.above_mm + wardrobe.fray_mm) / 12.0, 0, 1)
     points = hair_mm(scalp, head.neutral_mm, cut)
     first = assembly.add_vertices(points, _hair_extra(coverage), deltas)
     assembly.add_surface(material, scalp.triangles + np.int32(first), uv.astype(np.float32))

@@ -29,7 +29,7 @@ _STEPS = (
     Swell((0, 112, 30), (90, 40, 90), (0.72, 0.86, 0.95)),
     Swell((0, 150, 95), (200, 48, 200), (0.72, 1.0, 0.78)),
 )
-_EYES = EyeStyle(size=1.26, shift=(8.0, 1.0, 4.0), tall=0.16, slant_rad=0.26, inner=1.2, outer=3.2)
+_EYES = EyeStyle(size=1.26, shift=(8.0, 1.0, 4.0), tall=0.24, slant_rad=0.14, inner=1.2, outer=3.2)
 #: Tufts of the subject's left cheek: they cover where an ear of the model was.
 _CHEEK = (
     Clump(((66, 16, -9), (88, 8, -1), (108, -4, 7)), 40, 0.2),

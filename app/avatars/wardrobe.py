@@ -40,6 +40,7 @@ class Wardrobe:
         bust: Neck and shirt.
         seal: Draws lips together that nearly touch; None: they are shown as they are.
         wetness: Strength of the highlights on teeth and tongue.
+        fray_mm: How far below the hairline hair begins; over painted roots it looks soft.
     """
 
     skin_maps: Path
@@ -50,6 +51,7 @@ class Wardrobe:
     bust: Bust
     seal: LipSeal | None = None
     wetness: float = 0.9
+    fray_mm: float = 2.0
 
 
 def load_wardrobe(assets: Path, model: FaceModel) -> Wardrobe:
@@ -80,7 +82,9 @@ def load_wardrobe(assets: Path, model: FaceModel) -> Wardrobe:
 
 def embellished(wardrobe: Wardrobe, model: FaceModel) -> Wardrobe:
     """Return the wardrobe of avatars to be seen: bright teeth, and lips that meet."""
-    return replace(wardrobe, mouth=bright_teeth(wardrobe.mouth), seal=lip_seal(model), wetness=0.3)
+    return replace(
+        wardrobe, mouth=bright_teeth(wardrobe.mouth), seal=lip_seal(model), wetness=0.3, fray_mm=6.0
+    )
 
 
 def _openness(path: Path, n: int) -> F32:

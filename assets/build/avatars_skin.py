@@ -40,13 +40,17 @@ def juno(canvas: Canvas, model: FaceModel) -> np.ndarray:
     blush = sum(canvas.near(place, (21, 17, 30)) for place in cheek)
     over(out, (238, 128, 112), 0.62 * blush)
     over(out, (240, 150, 128), 0.5 * canvas.near(spots["nose_tip"], (10, 9, 14)))
-    over(out, (226, 168, 150), 0.4 * painted("lids"))
+    over(out, (236, 184, 162), 0.25 * painted("lids"))
+    for s in "RL":
+        # Against the shade under large eyes.
+        below = canvas.near(spots[f"{s}_eye_lo_mid"] + [0, 8, 0], (14, 7, 22))
+        over(out, (255, 226, 204), 0.75 * below)
     over(out, (206, 92, 92), 0.85 * painted("lips"))
     over(out, (120, 44, 50), painted("flesh"))
     for side in "RL":
         over(out, (38, 62, 74), brow(canvas, spots, side))
     over(out, (34, 26, 30), np.clip(1.3 * painted("lashline"), 0, 1))
-    over(out, (30, 74, 88), painted("scalp"))
+    over(out, (30, 74, 88), painted("scalp") ** 1.5)
     return out
 
 
@@ -58,7 +62,7 @@ def fennec(canvas: Canvas, model: FaceModel) -> np.ndarray:
     wander = 3.0 * canvas.noise(14, np.random.default_rng(3))
     out = flat(224, 138, 66)
     over(out, (176, 88, 36), 0.75 * canvas.near((0, -100, 70), (30, 90, 120)))
-    over(out, (168, 84, 38), 0.7 * canvas.near((0, -6, -24), (7, 34, 20)))
+    over(out, (190, 104, 48), 0.5 * canvas.near((0, -6, -24), (7, 34, 20)))
     # Cream from beside the nose over the cheeks, and all below.
     edge = 34 + 0.34 * np.abs(side - 30) - 0.16 * np.minimum(side, 30) + 0.10 * z + wander
     cream = smooth((y - edge) / 7)
@@ -68,8 +72,8 @@ def fennec(canvas: Canvas, model: FaceModel) -> np.ndarray:
         over(
             out, (252, 226, 190), 0.85 * canvas.near(spots[f"{s}_brow_4"] + [0, -4, 0], (9, 7, 14))
         )
-        over(out, (92, 46, 26), 0.9 * canvas.near(spots[f"{s}_eye_inner"] + [0, 7, 0], (5, 9, 14)))
-    over(out, (74, 40, 28), 0.75 * painted("lids"))
+        over(out, (92, 46, 26), 0.35 * canvas.near(spots[f"{s}_eye_inner"] + [0, 7, 0], (4, 7, 14)))
+    over(out, (120, 66, 36), 0.5 * painted("lids"))
     over(out, (38, 22, 20), np.clip(1.6 * painted("lashline"), 0, 1))
     out *= fur(canvas, spots["nose_tip"])[..., None]
     line = smooth((painted("lips") - 0.3) / 0.4) * smooth((5.0 - np.abs(y - 71)) / 3)
