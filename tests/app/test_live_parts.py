@@ -103,7 +103,7 @@ def test_the_toolbox_loops_files_and_lets_live_sources_live(tmp_path):
     with toolbox.open_source(toolbox.performances()[0].key, lambda: None) as source:
         assert source.live
     assert all(one.key.startswith(f"{PERFORMER}:") for one in toolbox.performances())
-    assert toolbox.avatars()[0].text == "Your own head"
+    assert toolbox.avatars()[0].text.startswith("Your own head (Nora until")
 
 
 def test_a_profile_that_comes_to_nothing_leaves_nothing_behind(tmp_path, home):
