@@ -2,6 +2,7 @@
 
 import time
 
+import numpy as np
 from PySide6.QtCore import QObject, QTimer
 
 from app.controllers.drive_history import DriveHistory
@@ -9,18 +10,32 @@ from app.controllers.expression_hotkeys import ExpressionHotkeys
 from app.controllers.live import LiveController
 from app.controllers.preset_desk import PresetDesk
 from app.drive_files import Kept, SettingsUnwritableError, load_kept, save_kept
+from app.views.choice import Choice
 from app.views.control.control_panel import ControlPanel
 from app.views.control.response_model import Live
 from app.views.live_window import LiveWindow
+from app.workers.live_loop import LiveResult
 from core.drive_presets import KEYS
 from core.drive_settings import DriveSettings
-from core.records import FloatArray
+from core.geometry import head_angles_from_matrix, matrix_from_quaternion
+from core.records import FaceState, FloatArray
 from core.response import SHOWN, learn_full
 
 #: Ten pictures of the live values per second.
 LIVE_EVERY_MS = 100
 #: Settings are kept when nothing was changed for so long.
 KEEP_AFTER_MS = 1000
+CENTRED = "Centre set: this is straight ahead now. To undo it later: Face > Forget centre."
+CENTRED_TURNED = (
+    "Your head is turned by {:.0f}°, and this is straight ahead now. If you did not mean that: "
+    "Undo, look at the screen with a resting face, and recentre again."
+)
+CENTRED_LATER = "No face is seen: the centre is set as soon as one is."
+UNCENTRED = "Centre forgotten: head and face are used as they are tracked."
+#: Such a message goes by itself; a head turned further than this is rarely meant as the centre.
+CENTRED_FOR_MS, TURNED_DEG = 6000, 25.0
+#: Key of the message's button.
+UNDO = Choice("centre.undo", "&Undo")
 NO_FACE = "No face is tracked: look into the camera, then press it again."
 NOT_SHOWN = "Nothing was changed: make the face, hold it, and press it again."
 
@@ -37,6 +52,7 @@ class Controlling(QObject):
         self._role = (controller.wanted.profile, controller.scene.avatar)
         self._history, self._dirty = DriveHistory(), False
         self._timer, self._keep_timer = QTimer(self), QTimer(self)
+        self._state: FaceState | None = None
         self._timer.setInterval(LIVE_EVERY_MS)
         self._keep_timer.setSingleShot(True)
         self._keep_timer.setInterval(KEEP_AFTER_MS)
@@ -87,6 +103,11 @@ class Controlling(QObject):
 
     def _connect_live(self) -> None:
         self.hotkeys.recentre_wanted.connect(self.recentre)
+        self.hotkeys.uncentre_wanted.connect(self._on_uncentre_wanted)
+        self._window.message_bar.chosen.connect(
+            lambda key: self.undo() if key == UNDO.key else None
+        )
+        self._controller.solved.connect(self._on_solved)
         self.hotkeys.pressed.connect(self._drive.press)
         self.hotkeys.released.connect(self._drive.release)
         self._controller.profile_changed.connect(self._on_role_changed)
@@ -128,11 +149,35 @@ class Controlling(QObject):
         self._remember("recentre")
         self._drive.recentre()
         self._keep_soon()
+        self._tell_centred()
+
+    def _tell_centred(self) -> None:
+        """Say what recentring means, for a while; of a head turned away until it is read."""
+        bar, state = self._window.message_bar, self._state
+        if state is None or state.lost:
+            self._tell_awhile(CENTRED_LATER)
+        elif (turned_deg := most_turned_deg(state)) > TURNED_DEG:
+            bar.offer(CENTRED_TURNED.format(turned_deg), [UNDO])
+        else:
+            bar.offer(CENTRED, [UNDO])
+            self._hide_later(CENTRED)
+
+    def _tell_awhile(self, text: str) -> None:
+        self._window.message_bar.announce(text)
+        self._hide_later(text)
+
+    def _hide_later(self, text: str) -> None:
+        bar = self._window.message_bar
+        QTimer.singleShot(CENTRED_FOR_MS, bar, lambda: bar.hide() if bar.text == text else None)
+
+    def _on_solved(self, result: LiveResult) -> None:
+        self._state = result.state
 
     def _on_uncentre_wanted(self) -> None:
         self._remember("forget the centre")
         self._drive.put_centre(None)
         self._keep_soon()
+        self._tell_awhile(UNCENTRED)
 
     def _make_full(self, rows: list[int] | None, face: FloatArray) -> None:
         """Let a face (B,) count as 100 %: some coefficients of it, or all that it shows."""
@@ -202,3 +247,9 @@ class Controlling(QObject):
             panel.responses.show_live(Live(drive.now, drive.shown, drive.seen))
         if panel.keys.isVisible():
             panel.keys.show_pressed(drive.keys_shown)
+
+
+def most_turned_deg(state: FaceState) -> float:
+    """Return the greatest of a head's angles, as tracked."""
+    angles_rad = head_angles_from_matrix(matrix_from_quaternion(state.rotation_wxyz))
+    return float(np.degrees(np.abs(angles_rad).max()))

@@ -18,6 +18,7 @@ class ExpressionHotkeys(QObject):
     """Hears keys in all windows of the program, and when they are let go."""
 
     recentre_wanted = Signal()
+    uncentre_wanted = Signal()
     pressed = Signal(int)  # from 1
     released = Signal(int)
 
@@ -29,6 +30,9 @@ class ExpressionHotkeys(QObject):
         self.recentre = _action(window, "&Recentre", "Ctrl+R", self.recentre_wanted.emit)
         self.recentre.setToolTip("Take how you look now for straight ahead and neutral")
         menu.addAction(self.recentre)
+        self.uncentre = _action(window, "Forget &centre", "", self.uncentre_wanted.emit)
+        self.uncentre.setToolTip("Use head and face as they are tracked")
+        menu.addAction(self.uncentre)
         faces = menu.addMenu("&Expression")
         for key in range(1, N_KEYS + 1):
             text, press = f"Expression key &{key}", partial(self._press, key)

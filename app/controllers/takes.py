@@ -54,14 +54,15 @@ class TakesController(QObject):
 
     def _add_actions(self) -> None:
         menu = self._window.menu("File")
-        menu.addSeparator()
         self.record_action = QAction("&Record a take", self._window)
         self.record_action.setShortcut(QKeySequence("R"))
         self.record_action.triggered.connect(self.toggle)
         self.pause_action = QAction("Pau&se recording", self._window)
         self.pause_action.setShortcut(QKeySequence("P"))
         self.pause_action.triggered.connect(self.recording.pause)
-        menu.addActions([self.record_action, self.pause_action])
+        leave = self._window.deeds["quit"]
+        menu.insertActions(leave, [self.record_action, self.pause_action])
+        menu.insertSeparator(leave)
 
     def _connect(self) -> None:
         panel = self.panel

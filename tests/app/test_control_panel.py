@@ -182,6 +182,28 @@ def test_recentre_by_its_key_and_by_its_button(desk):
     assert np.abs(angles).max() < 1e-3
 
 
+def test_recentring_is_told_and_that_of_a_turned_head_is_doubted(desk):
+    bar, menu = desk.window.message_bar, desk.control.hotkeys
+    tell = desk.control._on_solved
+    tell(SimpleNamespace(state=solved(lost=True)))
+    desk.control.recentre()
+    assert "as soon as" in bar.text
+    tell(SimpleNamespace(state=solved(angles_deg=(12, 0, 0))))
+    desk.control.recentre()
+    assert "straight ahead" in bar.text and "Forget centre" in bar.text
+    assert menu.uncentre in desk.window.menu("Face").actions()
+    tell(SimpleNamespace(state=solved(angles_deg=(34, 0, 0))))
+    desk.control.recentre()
+    assert "34°" in bar.text
+    driven = desk.solve(1.0, angles_deg=(34, 0, 0))
+    bar.buttons[0].click()
+    driven = desk.solve(1.0, angles_deg=(34, 0, 0))
+    angles = head_angles_from_matrix(matrix_from_quaternion(driven.rotation_wxyz))
+    assert np.abs(angles).max() > 0.2
+    menu.uncentre.trigger()
+    assert "forgotten" in bar.text
+
+
 def test_a_centre_can_be_forgotten_and_a_recentring_undone(desk, qtbot):
     forget = desk.panel.feel.uncentre_button
     assert not forget.isEnabled()

@@ -1,5 +1,6 @@
 """How it feels: steadiness by group, head motion, centre, eyes, and what the avatar does alone."""
 
+import math
 from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
@@ -22,6 +23,8 @@ from app.views.control.slider_row import SliderRow
 from core.drive_settings import DriveSettings
 
 PERCENT = "{:.0%}"
+#: Of a value in radians; told in degrees.
+DEGREES = "{:+.1f}°"
 #: Words of the settings' choices.
 WORDS = {
     "blinks": "Together, except in a wink",
@@ -67,7 +70,7 @@ SECTIONS: dict[str, tuple[Row, ...]] = {
             "Your eyes wide enough open count as open and your closed ones as closed: by the "
             "pictures of your setup, or as they are seen in time."),
         Row("eyes", "gaze_gain", "Gaze", "How far the eyes turn."),
-        Row("eyes", "gaze_up_rad", "Gaze height", "Raises or lowers the gaze.", "{:+.2f} rad"),
+        Row("eyes", "gaze_up_rad", "Gaze height", "Raises or lowers the gaze.", DEGREES),
     ),
     "By itself": (
         Row("idle", "breathing", "Breathes", "A slow small movement of head and shoulders."),
@@ -102,6 +105,7 @@ class FeelPage(QScrollArea):
         self.editors: dict[tuple[str, str], QWidget] = {}
         self.recentre_button = QPushButton("&Recentre")
         self.uncentre_button = QPushButton("Forget")
+        self.setAccessibleName("How it feels")
         self.setWidgetResizable(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -183,7 +187,9 @@ class FeelPage(QScrollArea):
         usual = getattr(part, row.name)
         limits = next(entry.metadata for entry in fields(part) if entry.name == row.name)
         if "low" in limits:
-            slider = SliderRow(row.text, limits["low"], limits["high"], usual, row.form)
+            scale = math.degrees(1) if row.form == DEGREES else 1.0
+            limited = limits["low"], limits["high"], usual
+            slider = SliderRow(row.text, *limited, row.form, scale)
             # Only its pieces are laid out; the row itself stays hidden and owns nothing.
             slider.setParent(self)
             slider.hide()

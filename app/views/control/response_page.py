@@ -21,6 +21,11 @@ from app.views.control.words import PARTS, short_name
 from core.arkit import EXPRESSION_NAMES
 from core.drive_settings import DriveSettings, Response
 
+LEGEND = (
+    "Blue: your face; grey: the avatar; black lines: the least and greatest seen. "
+    "A dot is the usual number."
+)
+
 
 class ResponsePage(QWidget):
     """Shows gain, range and offset of every coefficient with its live value."""
@@ -38,8 +43,8 @@ class ResponsePage(QWidget):
         self.full_button = QPushButton("S&elected as 100 %")
         self.reset_button = QPushButton("&Reset selected")
         self.reset_all_button = QPushButton("Reset all")
-        self.range_button = QPushButton("Right &marks are 100 %")
-        self.forget_button = QPushButton("For&get marks")
+        self.range_button = QPushButton("Greatest &seen is 100 %")
+        self.forget_button = QPushButton("For&get what was seen")
         self._build_table()
         self._build()
         self._connect()
@@ -104,9 +109,11 @@ class ResponsePage(QWidget):
             (self.full_button, "What is tracked now becomes 100 % of the selected coefficients"),
             (self.reset_button, "Gain, range and offset of the selected coefficients as usual"),
             (self.reset_all_button, "Gain, range and offset of all coefficients as usual"),
-            (self.range_button, "The greatest value seen becomes 100 %: of the selected "
-             "coefficients, or of all if none is selected. Talk and make faces first"),
-            (self.forget_button, "Begin anew with the marks of the least and greatest value"),
+            (self.range_button, "The right one of the two thin lines in each bar, the greatest "
+             "value seen so far, becomes 100 %: of the selected coefficients, or of all if none is "
+             "selected. Talk and make faces first"),
+            (self.forget_button, "Begin anew with the two thin lines in each bar: the least and "
+             "the greatest value seen so far"),
         ):  # fmt: skip
             button.setToolTip(tip)
             button.setAccessibleDescription(tip)
@@ -121,10 +128,13 @@ class ResponsePage(QWidget):
         top.addWidget(label, 0, 0)
         top.addWidget(self.part, 0, 1)
         top.setColumnStretch(1, 1)
+        legend = QLabel(LEGEND)
+        legend.setWordWrap(True)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(6, 6, 6, 6)
         layout.addLayout(top)
         layout.addWidget(self.table, stretch=1)
+        layout.addWidget(legend)
         layout.addLayout(grid)
 
     def _connect(self) -> None:

@@ -32,8 +32,9 @@ class SliderRow(QWidget):
     changed = Signal(float)
 
     def __init__(
-        self, text: str, low: float, high: float, usual: float, form: str = "{:.2f}"
-    ) -> None:
+        self, text: str, low: float, high: float, usual: float, form: str = "{:.2f}",
+        scale: float = 1.0,
+    ) -> None:  # fmt: skip
         """Make a row.
 
         Args:
@@ -42,9 +43,11 @@ class SliderRow(QWidget):
             high: Greatest value.
             usual: Value to go back to.
             form: How the value is written.
+            scale: By what it is multiplied for that.
         """
         super().__init__()
         self._low, self._high, self._usual, self._form = low, high, usual, form
+        self._scale = scale
         self._step = _step(high - low)
         self._shown = -1
         name = text.replace("&", "")
@@ -79,7 +82,7 @@ class SliderRow(QWidget):
         self.slider.setValue(self._shown)
 
     def _told(self, value: float) -> str:
-        return self._form.format(value).replace("%", "\N{NO-BREAK SPACE}%")
+        return self._form.format(self._scale * value).replace("%", "\N{NO-BREAK SPACE}%")
 
     def _position(self, value: float) -> int:
         return round((value - self._low) / self._step)
