@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.sparse import coo_matrix
+from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from app.render.avatar import Part
@@ -55,16 +55,21 @@ def bends(points_mm: F32, triangles: I32, values: FloatArray) -> FloatArray:
     a, b = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).T
     a, b = np.concatenate([a, b]), np.concatenate([b, a])
     way, change = points_mm[b].astype(float) - points_mm[a], values[b] - values[a]
-    grams = np.zeros((len(points_mm), 3, 3))
-    mixed = np.zeros((len(points_mm), 3, values.shape[1]))
-    np.add.at(grams, a, way[:, :, None] * way[:, None, :])
-    np.add.at(mixed, a, way[:, :, None] * change[:, None, :])
+    around = coo_matrix((np.ones(len(a)), (a, np.arange(len(a)))), (len(points_mm), len(a))).tocsr()
+    grams = _summed(around, np.einsum("ei,ej->eij", way, way))
+    mixed = _summed(around, np.einsum("ei,ek->eik", way, change))
     # The best straight function by least squares; the small term is for sheets, which are flat.
     straight = np.linalg.solve(grams + 0.05 * np.eye(3), mixed)
     left = change - np.einsum("ei,eik->ek", way, straight[a])
     out = np.zeros(len(points_mm))
     np.maximum.at(out, a, np.abs(left).max(axis=1))
     return out
+
+
+def _summed(around: csr_matrix, matrices: FloatArray) -> FloatArray:
+    """Return the sums (V, m, n) of the matrices (E, m, n) of the edges around vertices (V, E)."""
+    sums = around @ matrices.reshape(len(matrices), -1)
+    return np.asarray(sums.reshape(-1, *matrices.shape[1:]))
 
 
 def simplified(
@@ -88,10 +93,11 @@ def simplified(
     """
     count = len(points_mm)
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    unique, uses = np.unique(edges, axis=0, return_counts=True)
+    # Numbers are sorted much faster than pairs of them.
+    unique, uses = np.unique(edges[:, 0].astype(np.int64) * count + edges[:, 1], return_counts=True)
     locked = np.zeros(count, np.uint8)
     # At borders and at seams of the texture nothing moves, or gaps would open.
-    locked[unique[uses != 2]] = 1
+    locked[np.concatenate(np.divmod(unique[uses != 2], count))] = 1
     if fixed is not None:
         locked[fixed] = 1
     left = triangles.copy()
