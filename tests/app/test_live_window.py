@@ -121,8 +121,9 @@ def test_without_a_profile_the_avatar_moves_at_once_above_an_invitation(live, qt
     window = live(FakeToolbox())
     qtbot.waitUntil(lambda: window.avatar_pane.has_picture)
     qtbot.waitUntil(plays(window, CAMERA))
-    assert window.card.isVisible() and "10 minutes" in window.card.button.text()
     qtbot.waitUntil(lambda: window.status.state == "Tracking, training-free")
+    qtbot.waitUntil(lambda: window.card.isVisible())
+    assert "10 minutes" in window.card.button.text()
     qtbot.waitUntil(lambda: window.status.field("rate").endswith("fps"))
     qtbot.waitUntil(lambda: most_blue(window.source_pane.picture) > 150)
 
