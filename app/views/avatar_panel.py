@@ -89,6 +89,7 @@ class AvatarPanel(QScrollArea):
         self.quality = QLabel()
         self.quality.setWordWrap(True)
         self.quality.setAccessibleName("Quality of the avatar's picture")
+        self._name_widgets()
         self._build()
         self._connect()
         self.show_look(AvatarLook(), "source")
@@ -121,7 +122,7 @@ class AvatarPanel(QScrollArea):
 
     # -- construction --------------------------------------------------------------------
 
-    def _build(self) -> None:
+    def _name_widgets(self) -> None:
         for widget, tip in (
             (self.turn, "The way round the avatar"),
             (self.tilt, "See the avatar from above or from below"),
@@ -131,30 +132,23 @@ class AvatarPanel(QScrollArea):
             widget.setToolTip(tip)
         self.color_button.setAccessibleName("Colour of the background")
         self.picture_button.setAccessibleName("Picture of the background")
+
+    def _build(self) -> None:
         content = QWidget()
         layout = QVBoxLayout(content)
-        layout.addWidget(
+        for group in (
             _group(
-                "View",
-                ("Framing", self.framing),
-                ("Turn", self.turn),
-                ("Height", self.tilt),
-                ("Zoom", self.zoom),
-                ("", self.reset_button),
-                ("Mirror", self.mirror),
-            )
-        )
-        layout.addWidget(
+                "View", ("Framing", self.framing), ("Turn", self.turn), ("Height", self.tilt),
+                ("Zoom", self.zoom), ("", self.reset_button), ("Mirror", self.mirror),
+            ),
             _group(
-                "Background",
-                ("Kind", self.background),
-                ("", self.color_button),
+                "Background", ("Kind", self.background), ("", self.color_button),
                 ("", self.picture_button),
-            )
-        )
-        lights = _group("Light", ("Lights", self.lights), ("Brightness", self.brightness))
-        layout.addWidget(lights)
-        layout.addWidget(_group("Drawing", ("Edges", self.samples), ("", self.quality)))
+            ),
+            _group("Light", ("Lights", self.lights), ("Brightness", self.brightness)),
+            _group("Drawing", ("Edges", self.samples), ("", self.quality)),
+        ):  # fmt: skip
+            layout.addWidget(group)
         layout.addWidget(self.all_button)
         layout.addStretch(1)
         self.setWidget(content)

@@ -25,6 +25,16 @@ class PresetRow(QWidget):
         self.save_button, self.delete_button = QPushButton("Save…"), QPushButton("&Delete")
         self.undo_button = QPushButton("Undo")
         self._own: frozenset[str] = frozenset()
+        self._name_widgets()
+        self._build()
+        self.presets.activated.connect(self._on_activated)
+        self.save_button.clicked.connect(self._ask_name)
+        self.delete_button.clicked.connect(
+            lambda: self.delete_wanted.emit(self.presets.currentData())
+        )
+        self.undo_button.clicked.connect(self.undo_wanted)
+
+    def _name_widgets(self) -> None:
         for widget, name, tip in (
             (self.presets, "Preset", "Settings to begin with; all of them are replaced (Undo "
              "brings yours back)"),
@@ -35,6 +45,8 @@ class PresetRow(QWidget):
         ):  # fmt: skip
             widget.setAccessibleName(name)
             widget.setToolTip(tip)
+
+    def _build(self) -> None:
         self.presets.setSizeAdjustPolicy(
             QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
         )
@@ -51,12 +63,6 @@ class PresetRow(QWidget):
             width = button.fontMetrics().horizontalAdvance(button.text().replace("&", ""))
             button.setMaximumWidth(width + 24)
             layout.addWidget(button)
-        self.presets.activated.connect(self._on_activated)
-        self.save_button.clicked.connect(self._ask_name)
-        self.delete_button.clicked.connect(
-            lambda: self.delete_wanted.emit(self.presets.currentData())
-        )
-        self.undo_button.clicked.connect(self.undo_wanted)
 
     def show_presets(self, choices: Sequence[Choice], own: Sequence[str], current: str) -> None:
         """List presets.
