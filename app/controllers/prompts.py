@@ -25,6 +25,7 @@ QUICK: tuple[str, ...] = (
     "pose_yaw+0", "pose_yaw-30", "pose_yaw+30", "pose_pitch-15", "pose_pitch+15",
     *(shot.name for shot in SHOTS if shot.expression_name != "neutral" and shot.yaw == 0.0),
 )  # fmt: skip
+_BY_NAME = {shot.name: shot for shot in ORDER}
 #: What can be asked for.
 PLANS: tuple[Choice, ...] = (
     Choice(ALL_KEY, f"All {len(ORDER)} pictures"),
@@ -63,8 +64,14 @@ class Prompts:
         """
         self.key = key
         self._skipped.clear()
-        plain = key in (ALL_KEY, QUICK_KEY)
-        self.shots = ORDER if plain else extra_shots(extra_set(key), there)
+        if key == ALL_KEY:
+            self.shots = ORDER
+        elif key == QUICK_KEY:
+            # What was taken beyond them can be looked at, and taken again, too.
+            more = [shot for shot in ORDER if shot.name in there and shot.name not in QUICK]
+            self.shots = (*(_BY_NAME[name] for name in QUICK), *more)
+        else:
+            self.shots = extra_shots(extra_set(key), there)
 
     def missing(self, there: Collection[str]) -> list[str]:
         """Return those without a picture."""
@@ -93,7 +100,7 @@ def told(shot: Shot) -> tuple[str, str]:
 
 
 def title_of_prompt(name: str) -> str:
-    """Return a picture's name as people read it, with its set: "glasses: smile -30°"."""
+    """Return a picture's name as people read it, with its set: "glasses: smile (30° right)"."""
     shot = shot_of(name)
     if shot is None:
         return title_of(name)

@@ -22,7 +22,7 @@ from app.views.files import ask_for_folder, ask_for_video
 
 GUIDED = (
     "Best: let yourself be asked for up to 60 faces and head turns. The pictures are taken by "
-    "themselves; it takes about five minutes."
+    "themselves; it takes about ten minutes."
 )
 ADVICE = (
     "Or record one minute with the webcam you will use: look straight ahead with a relaxed face, "

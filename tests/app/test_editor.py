@@ -433,8 +433,8 @@ def test_the_opposite_of_a_shot_is_its_mirror_image(name, other):
 
 
 def test_names_are_told_as_people_read_them():
-    assert title_of("squeeze_left_eye_yaw-30") == "squeeze left eye -30°"
-    assert title_of("pose_pitch+15") == "pitch +15°"
+    assert title_of("squeeze_left_eye_yaw-30") == "squeeze left eye (30° right)"
+    assert title_of("pose_pitch+15") == "tilt 15° up"
     assert title_of("frame_00012") == "frame 00012"
 
 

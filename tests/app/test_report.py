@@ -55,7 +55,7 @@ def rows_of(html):
 def test_the_report_says_how_good_it_is_beside_the_paper_and_without_training():
     html = report_html("me & <you>", REPORT)
     assert "me &amp; &lt;you&gt;" in html
-    for text in ("60 pictures", "0.66 px", "smile +0°", "yaw -90°", "href='p57'"):
+    for text in ("60 pictures", "0.66 px", "left out, no face was found: smile<", "turn 90° right", "href='p57'"):
         assert text in html
     rows = {row[0]: row[1:] for row in rows_of(html) if row}
     assert rows["under 3 px"] == ["98.0 %", "98.0 %", "98.0 %", "73.3 %"]
@@ -118,7 +118,7 @@ def test_every_kind_of_reason_has_words():
     assert what == "Lowered eyebrows on your left side"
     like, never, unused, unshown, _ = why.split("; ")
     assert "smiling" in like and "average face" in never
-    assert "grin +0° and grin -30°" in unused
+    assert "grin and grin (30° right)" in unused
     assert "“anger” and “disgust”" in unshown and "about 4 tenths" in unshown
 
 
@@ -151,10 +151,12 @@ def test_the_report_shows_what_a_training_changed():
 
 
 def test_names_of_pictures_are_read_by_people():
-    assert title_of("smile_yaw-30") == "smile -30°"
-    assert title_of("pose_pitch+15") == "pitch +15°"
-    assert title_of("glasses~pose_yaw+0") == "glasses: yaw +0°"
-    assert title_of("hand~right-cheek~pose_yaw+0") == "hand, right cheek: yaw +0°"
+    assert title_of("smile_yaw-30") == "smile (30° right)"
+    assert title_of("smile_yaw+0") == "smile"
+    assert title_of("pose_pitch+15") == "tilt 15° up"
+    assert title_of("pose_roll+15") == "lean 15° left"
+    assert title_of("glasses~pose_yaw+0") == "glasses: straight ahead"
+    assert title_of("hand~right-cheek~pose_yaw+0") == "hand, right cheek: straight ahead"
     assert title_of("live-0001") == "live-0001"
 
 

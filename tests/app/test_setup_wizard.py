@@ -283,6 +283,29 @@ def test_without_a_camera_the_performer_is_offered(qtbot, tmp_path, people, monk
     close(setup)
 
 
+def test_the_quick_choice_lists_its_pictures_and_those_that_are_there(qtbot, setup):
+    page = begin(qtbot, setup)
+    page.sheet.chosen.emit("smile_yaw+30")
+    QTest.keyClick(setup.window, SPACE)
+    qtbot.waitUntil(lambda: page.sheet.states()["smile_yaw+30"] == "good", timeout=5000)
+    page.plan_chosen.emit("quick")
+    assert page.sheet.names == [*QUICK, "smile_yaw+30"]
+    close(setup)
+
+
+def test_a_line_below_the_sheet_says_why_a_picture_is_weak(qtbot, setup):
+    page = begin(qtbot, setup)
+    setup.tools.quality = {"trouble": "dark"}
+    QTest.keyClick(setup.window, SPACE)
+    qtbot.waitUntil(lambda: page.sheet.states()["pose_yaw+0"] == "weak", timeout=5000)
+    assert "not taken yet" in page.note.text()
+    page.sheet.itemEntered.emit(page.sheet.item(0))
+    assert page.note.text() == "straight ahead: too dark; click to take it again"
+    page.note.resize(60, 16)
+    assert page.note.shown_text().endswith("…")
+    close(setup)
+
+
 def test_the_source_that_was_used_is_used_again_and_live(qtbot, setup, people, monkeypatch):
     begin(qtbot, setup)
     key, text = setup.tools.performances()[0].key, setup.tools.performances()[0].text

@@ -50,7 +50,7 @@ class LandmarkCanvas(QWidget):
         super().__init__(parent)
         self.setAccessibleName("Picture with landmarks")
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        self.setMinimumSize(320, 240)
+        self.setMinimumSize(240, 180)
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self._scene: Scene | None = None

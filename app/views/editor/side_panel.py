@@ -7,23 +7,32 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import (
     QCheckBox,
     QFormLayout,
+    QFrame,
     QGroupBox,
     QLabel,
+    QScrollArea,
     QSlider,
+    QStyle,
     QToolButton,
     QVBoxLayout,
     QWidget,
 )
 
 
-class SidePanel(QWidget):
+class SidePanel(QScrollArea):
     """The point in the hand, the actions, how the picture is shown."""
 
     look_changed = Signal(int, int)  # brightness and contrast, -100 to 100
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setFixedWidth(236)
+        # Where the window is low it is moved; the bar takes nothing from the buttons.
+        bar = self.style().pixelMetric(QStyle.PixelMetric.PM_ScrollBarExtent)
+        self.setFixedWidth(236 + bar)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setWidgetResizable(True)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.point_label, self.picture_label = QLabel(), QLabel()
         for label in (self.picture_label, self.point_label):
             label.setWordWrap(True)
@@ -34,7 +43,8 @@ class SidePanel(QWidget):
         self.model_box = QCheckBox("Fitted &model (V)")
         self.names_box = QCheckBox("&Names (N)")
         self.brightness, self.contrast = _slider("Brightness"), _slider("Contrast")
-        self._layout = QVBoxLayout(self)
+        inner = QWidget()
+        self._layout = QVBoxLayout(inner)
         self._layout.setContentsMargins(8, 0, 0, 0)
         self._layout.addWidget(_grouped("Picture", [self.picture_label]))
         self._layout.addWidget(_grouped("In the hand", [self.point_label]))
@@ -42,6 +52,7 @@ class SidePanel(QWidget):
         self._layout.addWidget(self._actions)
         self._layout.addWidget(self._shown())
         self._layout.addStretch(1)
+        self.setWidget(inner)
 
     def add_actions(self, actions: Iterable[QAction]) -> None:
         """Give every action a button."""

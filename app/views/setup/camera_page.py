@@ -25,7 +25,7 @@ class CameraPage(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.cameras, self.live = CameraList(), GuideView("Picture of the chosen camera")
-        self.live.setMinimumSize(320, 240)
+        self.live.setMinimumSize(200, 150)
         self.verdict, self.held = QLabel(), QLabel()
         self.verdict.setAccessibleName("How good the picture is")
         self.held.setAccessibleName("What the camera holds")

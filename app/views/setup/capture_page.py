@@ -13,8 +13,9 @@ from PySide6.QtWidgets import (
 )
 
 from app.views.chooser import Chooser
+from app.views.elided import Elided
 from app.views.picture_view import PictureView
-from app.views.setup.contact_sheet import ContactSheet
+from app.views.setup.contact_sheet import CELL, ContactSheet
 from app.views.setup.guide_view import GuideView
 
 #: Key of a wish -> text of its button, key, what it does.
@@ -26,7 +27,9 @@ WISHES = {
 }
 
 #: Letters of a camera's name and of a set of pictures that are seen without dropping a list down.
-NAME_LENGTH = 22
+NAME_LENGTH = 16
+#: Letters of a prompt that are seen in any case.
+TITLE_LENGTH = 36
 
 
 class CapturePage(QWidget):
@@ -43,11 +46,14 @@ class CapturePage(QWidget):
         self.sources, self.plans = Chooser("Camera"), Chooser("Which pictures")
         for chooser in (self.sources, self.plans):
             chooser.setMinimumContentsLength(NAME_LENGTH)
+            chooser.setMinimumWidth(10 * self.fontMetrics().averageCharWidth())
         self.live, self.target = GuideView("Live picture"), PictureView("What is asked for")
-        self.live.setMinimumSize(320, 240)
+        self.live.setMinimumSize(200, 120)
+        self.target.setMinimumSize(150, 110)
         self.target.set_mirrored(True)
         self.sheet = ContactSheet()
-        self.title, self.instruction = QLabel(), QLabel()
+        self.title, self.instruction, self.note = Elided(), QLabel(), Elided()
+        self.sheet.noted.connect(self.note.setText)
         self.progress = QProgressBar()
         self.progress.setAccessibleName("Pictures taken")
         self.sound_box = QCheckBox("S&ound")
@@ -63,6 +69,9 @@ class CapturePage(QWidget):
     def show_prompt(self, title: str, instruction: str) -> None:
         """Say what is asked for."""
         self.title.setText(title)
+        # Which way to turn stands at the end: the lists give way first.
+        most = TITLE_LENGTH * self.title.fontMetrics().averageCharWidth()
+        self.title.setMinimumWidth(min(self.title.sizeHint().width(), most))
         self.instruction.setText(instruction)
 
     def show_progress(self, taken: int, total: int, weak: int = 0) -> None:
@@ -105,13 +114,16 @@ class CapturePage(QWidget):
             foot.addWidget(self._button(key, text, keys, meaning))
         foot.addWidget(self.sound_box)
         foot.addWidget(self.progress, stretch=1)
-        self.sheet.setFixedHeight(146)
+        # One row where the window is low, two elsewhere.
+        self.sheet.setMinimumHeight(CELL.height() + 18)
+        self.sheet.setMaximumHeight(146)
         layout = QVBoxLayout(self)
         layout.addLayout(head)
         layout.addWidget(self.instruction)
         layout.addLayout(views, stretch=1)
         layout.addLayout(foot)
         layout.addWidget(self.sheet)
+        layout.addWidget(self.note)
 
     def _button(self, key: str, text: str, keys: str, meaning: str) -> QPushButton:
         button = QPushButton(text)

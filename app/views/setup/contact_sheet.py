@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRectF, QSize, Qt
+from PySide6.QtCore import QEvent, QModelIndex, QPersistentModelIndex, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QImage, QPainter, QPen
 from PySide6.QtWidgets import (
     QListView,
@@ -34,7 +34,7 @@ class SheetCell:
         title: Short, for people.
         state: A key of COLORS.
         note: What is to be known about it, for the tooltip.
-        why: Why it is weak, in some words, "" if it is not.
+        why: Why it is weak, in some words, "" if it is not; the picture stays free of it.
     """
 
     name: str
@@ -47,6 +47,8 @@ class SheetCell:
 class ContactSheet(CellList):
     """A grid of prompts; a click retakes one."""
 
+    noted = Signal(str)  # what is to be known of the cell under the hand, or else the current one
+
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__("All prompts", parent)
         self.setViewMode(QListView.ViewMode.IconMode)
@@ -57,6 +59,9 @@ class ContactSheet(CellList):
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.itemClicked.connect(self._choose)
         self.itemActivated.connect(self._choose)
+        self.setMouseTracking(True)
+        self.itemEntered.connect(self._note)
+        self.currentItemChanged.connect(lambda item, _: self._note(item))
 
     def states(self) -> dict[str, str]:
         """Return the state of every prompt."""
@@ -74,6 +79,16 @@ class ContactSheet(CellList):
         if item is not None:
             self.show_thumb(cell.name, thumb)
             _fill(item, cell)
+            if item is self.currentItem():
+                self._note(item)
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Tell of the current cell again."""
+        self._note(self.currentItem())
+        super().leaveEvent(event)
+
+    def _note(self, item: QListWidgetItem | None) -> None:
+        self.noted.emit("" if item is None else item.toolTip())
 
 
 def _fill(item: QListWidgetItem, cell: SheetCell) -> None:
@@ -111,8 +126,6 @@ class _CellPainter(QStyledItemDelegate):
             painter.setPen(QColor(205, 209, 214))
             painter.drawText(box.adjusted(3, 2, -3, -6), WRAPPED, cell.title)
         painter.fillRect(QRectF(box.left(), box.bottom() - 5, box.width(), 5), COLORS[cell.state])
-        if cell.why:
-            _paint_why(painter, box, cell.why)
         if MARKS[cell.state]:
             _paint_mark(painter, box, cell.state)
         if self.parent().currentRow() == index.row():  # type: ignore[union-attr]
@@ -120,16 +133,6 @@ class _CellPainter(QStyledItemDelegate):
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.drawRect(box.adjusted(1, 1, -1, -1))
         painter.restore()
-
-
-def _paint_why(painter: QPainter, box: QRectF, why: str) -> None:
-    """Paint on a dark band at the foot why a picture is weak."""
-    room = box.adjusted(2, 0, -2, -6).toRect()
-    needed = painter.boundingRect(room, WRAPPED, why).height()
-    band = QRectF(box.left(), box.bottom() - 6 - needed, box.width(), needed + 1)
-    painter.fillRect(band, QColor(20, 22, 24, 215))
-    painter.setPen(QColor(255, 226, 170))
-    painter.drawText(band, WRAPPED, why)
 
 
 def _paint_mark(painter: QPainter, box: QRectF, state: str) -> None:

@@ -2,14 +2,16 @@
 
 from collections.abc import Mapping
 
-from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QCloseEvent
+from PySide6.QtCore import QEvent, QSize, Qt, Signal
+from PySide6.QtGui import QCloseEvent, QResizeEvent
 from PySide6.QtWidgets import (
+    QFrame,
     QHBoxLayout,
     QListWidget,
     QListWidgetItem,
     QMainWindow,
     QPushButton,
+    QScrollArea,
     QStackedWidget,
     QVBoxLayout,
     QWidget,
@@ -91,7 +93,7 @@ class SetupWindow(QMainWindow):
         self.steps.setFixedWidth(16 * self.fontMetrics().averageCharWidth())
         self.steps.currentRowChanged.connect(self._on_row)
         for page in (self.start, self.camera, self.capture, self.check, self.train):
-            self.pages.addWidget(page)
+            self.pages.addWidget(_scrolled(page))
         side = QVBoxLayout()
         side.addWidget(self.steps, stretch=1)
         side.addWidget(self.next_button)
@@ -106,3 +108,42 @@ class SetupWindow(QMainWindow):
 
     def _on_row(self, row: int) -> None:
         self.step_chosen.emit(list(STEPS)[row])
+
+
+def _scrolled(page: QWidget) -> QScrollArea:
+    """Return a page that can be moved where the screen is too small for it."""
+    area = QScrollArea()
+    area.setFrameShape(QFrame.Shape.NoFrame)
+    area.setWidgetResizable(True)
+    area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    area.setWidget(_Least(page))
+    return area
+
+
+class _Least(QWidget):
+    """Lets a page become as small as it can before it is moved: areas ask for what it likes."""
+
+    def __init__(self, page: QWidget) -> None:
+        super().__init__()
+        self._page = page
+        page.setParent(self)
+
+    def minimumSizeHint(self) -> QSize:
+        """Return the least room for the page at this width."""
+        least, layout = self._page.minimumSizeHint(), self._page.layout()
+        if layout is not None and layout.hasHeightForWidth():
+            width = max(self.width(), least.width())
+            least.setHeight(max(least.height(), layout.minimumHeightForWidth(width)))
+        return least
+
+    def event(self, event: QEvent) -> bool:
+        """Pass on that the page needs other room."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self.updateGeometry()
+        return super().event(event)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Fill the room with the page."""
+        self._page.setGeometry(self.rect())
+        self.updateGeometry()
+        super().resizeEvent(event)

@@ -20,7 +20,7 @@ WELCOME = (
     "<h2>Teach facepuppet your face</h2>"
     "<p>You will be asked for up to 60 faces and head turns. Sit before the webcam as you usually "
     "do, with light from the front; the pictures are taken by themselves when you hold still. "
-    "This takes five minutes, the training after it one or two. You can stop at any moment and go "
+    "This takes ten minutes with the training. You can stop at any moment and go "
     "on later where you stopped.</p>"
 )
 #: What will happen, as long as there is room for it.
