@@ -11,6 +11,7 @@ from app.avatars.characters import Character, drawn
 from app.avatars.fennec import FENNEC
 from app.avatars.juno import JUNO
 from app.avatars.looks import LOOKS, Looks
+from app.avatars.shaved import shaved
 from app.avatars.wardrobe import AvatarFileError, Wardrobe, embellished, load_wardrobe
 from app.render.avatar import Avatar
 from core.face_model import FaceModel, deltas_mm, neutral_mm
@@ -76,8 +77,11 @@ class Gallery:
             skin: (S, S, 4) texture of the user's own skin, None for one painted by the looks.
         """
         head = Head(self._model, user.neutral_mm, user.deltas_mm)
+        looks = looks or Looks()
+        if skin is not None and looks.hair_style == "bald":
+            skin = shaved(skin, self._wardrobe.skin_maps / "scalp.jpg", looks)
         costume = None if skin is None else Costume(skin)
-        return dressed(head, looks or Looks(), self._wardrobe, "you", costume)
+        return dressed(head, looks, self._wardrobe, "you", costume)
 
     def of_identity(self, identity: FloatArray, looks: Looks, name: str) -> Avatar:
         """Return the avatar of any identity weights (I,) of the face model."""
