@@ -25,8 +25,8 @@ class SourceMissingError(AppError):
     def __init__(self, path: Path) -> None:
         self.path = path
         super().__init__(
-            f"found no file or folder {path}; expected a video file, a folder of images, or "
-            "'camera': check the spelling and the current folder"
+            f"found no file or folder {path}; it may have been moved or renamed: check the "
+            "spelling, or choose a video, a folder of images or a camera"
         )
 
 

@@ -36,7 +36,8 @@ class ProfileMissingError(CoreError):
         self.folder = folder
         super().__init__(
             f"found no profile in {folder}, expected a file {HEADER_NAME} there: check the name, "
-            "or make the profile with: facepuppet setup PROFILE SOURCE"
+            "or make the profile by the guided setup (Face > Set up my face in the window, "
+            "facepuppet setup on the command line)"
         )
 
 
@@ -191,7 +192,7 @@ def _read_header(folder: Path) -> dict[str, Any]:
     try:
         header = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        raise ProfileDamagedError(path, "not readable as JSON", f"a {FORMAT} header") from None
+        raise ProfileDamagedError(path, "damaged or cut short", f"a {FORMAT} header") from None
     if not isinstance(header, dict) or header.get("format") != FORMAT:
         raise ProfileDamagedError(path, "something else", f'JSON with "format": "{FORMAT}"')
     schema = header.get("schema")

@@ -91,7 +91,7 @@ class VideoSource(ClosedOnExit):
 
 
 def _open(path: Path) -> cv2.VideoCapture:
-    expected = "a video that OpenCV can decode (mp4, avi, mkv, mov, webm)"
+    expected = "a video (mp4, avi, mkv, mov or webm)"
     if not path.exists():
         raise SourceMissingError(path)
     if path.stat().st_size == 0:

@@ -59,6 +59,8 @@ class Looking(QObject):
 
     def see(self, look: AvatarLook) -> None:
         """See the avatar like this from now on, and keep it."""
+        if self.look.changed(background=look.background) == look:
+            self._take_back()
         self._put(KeptLook(look, self._current().mirror))
 
     def use_picture(self, path: str) -> None:
@@ -152,8 +154,7 @@ class Looking(QObject):
         avatar, path = found
         if path != self._wanted_picture:
             return
-        if self._told and self._window.message_bar.text == self._told:
-            self._window.message_bar.tell("")
+        self._take_back()
         kept = self._kept.get(avatar, KeptLook())
         background = kept.look.background.changed(kind="picture", picture=path)
         # Another avatar may have come in meanwhile.
@@ -162,9 +163,15 @@ class Looking(QObject):
 
     def _on_picture_failed(self, error: CoreError | AppError) -> None:
         """Tell what is wrong with the file; the background before stays."""
-        self._told = str(error)
-        self._window.message_bar.tell(self._told)
+        self._window.message_bar.tell(str(error))
+        self._told = self._window.message_bar.text
         self.panel.background.show_current()
+
+    def _take_back(self) -> None:
+        """Say no more what was wrong with a picture that nobody wants now."""
+        if self._told and self._window.message_bar.text == self._told:
+            self._window.message_bar.tell("")
+        self._told = ""
 
     # -- drawing -------------------------------------------------------------------------
 

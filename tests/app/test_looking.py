@@ -262,6 +262,8 @@ def test_a_file_without_a_picture_is_named_and_the_background_stays(desk, tmp_pa
     assert str(path) in window.message_bar.text
     assert looking.look.background == Background("color", (9, 9, 9))
     assert looking.panel.background.currentData() == "color"
+    looking.see(looking.look.changed(background=Background("studio")))
+    assert window.message_bar.text == ""
 
 
 def test_a_picture_that_is_gone_since_the_last_time_is_told(qtbot, tmp_path):
