@@ -148,8 +148,9 @@ def iris_of(seen: Frontal, model: FaceModel, white: FloatArray) -> Color | None:
     level = light.mean(axis=1)
     middle = light[(level > np.quantile(level, 0.3)) & (level < np.quantile(level, 0.8))]
     color = np.median(middle, axis=0) / white
-    # The cornea mirrors grey surroundings over it; the lids shade it.
-    color = 1.25 * (color - 0.5 * color.min())
+    # The cornea mirrors grey surroundings over it, and white and pupil blur into it; lids shade it.
+    tint = color - 0.7 * color.min()
+    color = tint * (1.25 * (color.mean() - 0.5 * color.min()) / max(tint.mean(), 1e-6))
     color = np.clip(color, 0.012, 0.5)
     return as_color(color)
 
