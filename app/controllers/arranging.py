@@ -36,6 +36,7 @@ class Arranging(QObject):
             self._window.restoreGeometry(_bytes(kept.geometry))
         if kept.panels:
             self._window.restoreState(_bytes(kept.panels))
+            self._window.panels.tidy()
         if kept.swapped:
             self._window.pair.swap()
         for key, on in kept.switches.items():

@@ -28,7 +28,7 @@ class Panels(QObject):
         return False
 
     def tidy(self) -> None:
-        """Name the rows of tabs, and put those of hidden panels out of sight.
+        """Name the rows of tabs, and put those of hidden panels and of single ones out of sight.
 
         Qt shows a row of tabs that it has not laid out yet over the menus.
         """
@@ -36,7 +36,8 @@ class Panels(QObject):
         direct = Qt.FindChildOption.FindDirectChildrenOnly
         for bar in self._window.findChildren(QTabBar, options=direct):
             bar.setAccessibleName("Panels at this place")
-            if seen.isdisjoint(bar.tabText(place) for place in range(bar.count())):
+            titles = {bar.tabText(place) for place in range(bar.count())}
+            if len(titles) < 2 or seen.isdisjoint(titles):
                 bar.move(-2 * bar.width(), -2 * bar.height())
 
     def add(

@@ -192,3 +192,32 @@ def test_the_list_of_keys_names_every_entry_of_the_menus_with_a_key(desk, qtbot)
     text = window.findChild(TextDialog).findChild(QLabel).text()
     assert "Apache-2.0" in text and "CC0" in text
     window.findChild(TextDialog).close()
+
+
+def test_the_tab_of_a_panel_that_is_alone_at_its_place_covers_no_menu(desk, qtbot):
+    window = desk()
+    window.panels.show("control")
+    qtbot.wait(50)
+    window.close()
+    again, _ = open_desk(FakeToolbox())
+    qtbot.addWidget(again)
+    bars = again.findChildren(QTabBar, options=Qt.FindChildOption.FindDirectChildrenOnly)
+    alone_bars = [bar for bar in bars if bar.count() == 1]
+    assert alone_bars
+    assert not any(bar.geometry().intersects(again.rect()) for bar in alone_bars)
+    again.close()
+
+
+def test_the_tabs_of_two_panels_at_one_place_come_back(desk, qtbot):
+    window = desk()
+    window.panels.show("control")
+    window.panels.show("avatar_look")
+    qtbot.wait(50)
+    window.close()
+    again = desk()
+    bars = again.findChildren(QTabBar, options=Qt.FindChildOption.FindDirectChildrenOnly)
+    (row,) = (bar for bar in bars if bar.count() == 2)
+    qtbot.waitUntil(lambda: again.rect().contains(row.geometry()))
+    again.panels.dock("control").hide()
+    again.panels.show("control")
+    qtbot.waitUntil(lambda: again.rect().contains(row.geometry()))
