@@ -83,11 +83,7 @@ class ShelfController(QObject):
     def delete(self, name: str) -> QMessageBox:
         """Ask, then delete a profile."""
         found = self._profile(name)
-        pictures = _counted(found.n_pictures)
-        what = f"{pictures} and their landmarks"
-        if found.trained:
-            what = f"{pictures}, their landmarks and the trained model"
-        text = DELETE.format(what=what, size=size_text(found.size_bytes))
+        text = DELETE.format(what=_contents(found), size=size_text(found.size_bytes))
         return ask_to_confirm(
             self._page, f"Delete the profile {name}?", text, "&Delete everything",
             lambda: self._delete(self._tools.shelf().delete, name),
@@ -123,6 +119,15 @@ class ShelfController(QObject):
         folder = self._tools.shelf().folder
         folder.mkdir(parents=True, exist_ok=True)
         QDesktopServices.openUrl(QUrl.fromLocalFile(str(folder / name if name else folder)))
+
+
+def _contents(found: Shelved) -> str:
+    """Return what goes with a profile, without what it does not have."""
+    whose = "its" if found.n_pictures == 1 else "their"
+    parts = [_counted(found.n_pictures), f"{whose} landmarks"] if found.n_pictures else []
+    parts += ["the trained model"] if found.trained else []
+    told = " and ".join(filter(None, [", ".join(parts[:-1]), *parts[-1:]])) or "the empty profile"
+    return told[:1].upper() + told[1:]
 
 
 def _counted(n_pictures: int) -> str:

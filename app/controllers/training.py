@@ -96,6 +96,7 @@ class TrainingController(QObject):
         self._page.show_residuals(report.get("picture_rms_px_at_640") or [], names)
         tested = (report.get("held_out") or {}).get("stages") or {}
         self._page.show_stage_errors(tested | (report.get("stages") or {}))
+        self._page.show_plots(bool(report))
         self._page.show_report(report_html(book.folder.name, report) if report else EMPTY)
 
     def _show_state(self) -> None:

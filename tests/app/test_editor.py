@@ -339,6 +339,19 @@ def test_the_loupe_shows_only_while_a_point_is_dragged(desk):
     QTest.mouseRelease(desk.canvas, LEFT, NO_KEY, at + QPoint(6, 6))
 
 
+def test_names_of_all_points_do_not_lie_over_each_other(desk, monkeypatch):
+    boxes = []
+    monkeypatch.setattr(
+        "app.views.editor.canvas.paint_label", lambda painter, text, box: boxes.append(box)
+    )
+    desk.canvas.show_all_names(True)
+    desk.canvas.grab()
+    assert len(boxes) > 10
+    assert not any(
+        one.intersects(other) for n, one in enumerate(boxes) for other in boxes[:n] if one != other
+    )
+
+
 def test_a_moved_pupil_is_said_to_be_placed_by_the_user(desk):
     pupil = len(NAMES)
     label = desk.window.panel.point_label

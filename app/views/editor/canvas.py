@@ -16,6 +16,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from app.views.editor.painting import (
     LOUPE_SIZE,
     SELECTED,
+    label_box,
     paint_label,
     paint_loupe,
     paint_scene,
@@ -237,12 +238,19 @@ class LandmarkCanvas(QWidget):
             self._paint_loupe(painter, scene)
 
     def _paint_names(self, painter: QPainter, scene: Scene) -> None:
-        shown = range(len(scene.names)) if self._all_names else [self._hovered]
+        every = range(len(scene.names)) if self._all_names else ()
         inside = QRectF(self.rect()).adjusted(4, 4, -4, -4)
-        for index in shown:
-            if 0 <= index < len(scene.names):
-                place = self._zoom.to_widget(*map(float, scene.points_px[index]))
-                paint_label(painter, scene.names[index], place, inside)
+        taken: list[QRectF] = []
+        for index in dict.fromkeys([self._hovered, *every]):
+            if not 0 <= index < len(scene.names):
+                continue
+            text = scene.names[index]
+            place = self._zoom.to_widget(*map(float, scene.points_px[index]))
+            box = label_box(painter, text, place, inside)
+            # Names that have no room come when one looks closer.
+            if not any(box.intersects(other) for other in taken):
+                paint_label(painter, text, box)
+                taken.append(box)
 
     def _paint_loupe(self, painter: QPainter, scene: Scene) -> None:
         index = self._held(scene)

@@ -81,13 +81,18 @@ def _paint_point(painter: QPainter, scene: Scene, index: int, place: QPointF) ->
         painter.drawEllipse(place, RADIUS, RADIUS)
 
 
-def paint_label(painter: QPainter, text: str, place: QPointF, inside: QRectF) -> None:
-    """Paint a short text beside a place, within the widget."""
+def label_box(painter: QPainter, text: str, place: QPointF, inside: QRectF) -> QRectF:
+    """Return where a short text has room beside a place, within the widget."""
     metrics = painter.fontMetrics()
     box = QRectF(0, 0, metrics.horizontalAdvance(text) + 14, metrics.height() + 6)
     box.moveTopLeft(place + QPointF(14, -box.height() - 8))
     box.moveLeft(min(max(box.left(), inside.left()), inside.right() - box.width()))
     box.moveTop(min(max(box.top(), inside.top()), inside.bottom() - box.height()))
+    return box
+
+
+def paint_label(painter: QPainter, text: str, box: QRectF) -> None:
+    """Paint a short text on a dark ground."""
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(LABEL_BACK)
     painter.drawRoundedRect(box, 5, 5)

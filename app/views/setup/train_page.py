@@ -41,7 +41,7 @@ class TrainPage(QWidget):
         self.stages, self.left = StageList(), QStackedWidget()
         self.report = QTextBrowser()
         self.focal_plot, self.residual_plot = FocalPlot(), ResidualPlot()
-        self.stage_plot = StagePlot()
+        self.stage_plot, self.plot_column = StagePlot(), QWidget()
         self._build()
         self._connect()
 
@@ -76,9 +76,14 @@ class TrainPage(QWidget):
         """Plot the landmark error after each stage; see CURVES for the keys."""
         self.stage_plot.show_stages(errors_px)
 
+    def show_plots(self, shown: bool) -> None:
+        """Show the plots, or leave their room to the text while there is nothing to plot."""
+        self.plot_column.setVisible(shown)
+
     def begin(self, stages: Mapping[str, float]) -> None:
         """Show that a training begins, with its stages and their shares of the work."""
         self.message_bar.tell("")
+        self.show_plots(True)
         self.stages.show_stages(stages)
         self.left.setCurrentIndex(0)
         self.job_row.begin("Training")
@@ -122,12 +127,13 @@ class TrainPage(QWidget):
         self.left.addWidget(working)
         self.left.addWidget(self.report)
         self.left.setCurrentIndex(1)
-        plots = QVBoxLayout()
+        plots = QVBoxLayout(self.plot_column)
+        plots.setContentsMargins(0, 0, 0, 0)
         for plot in self.plots:
             plots.addWidget(plot, stretch=1)
         body = QHBoxLayout()
         body.addWidget(self.left, stretch=3)
-        body.addLayout(plots, stretch=2)
+        body.addWidget(self.plot_column, stretch=2)
         layout = QVBoxLayout(self)
         layout.addWidget(self.message_bar)
         layout.addLayout(head)

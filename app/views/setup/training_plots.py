@@ -7,10 +7,14 @@ from PySide6.QtCore import QEvent, Qt, Signal
 from PySide6.QtGui import QColor, QImage, QPalette
 from PySide6.QtWidgets import QWidget
 
+from app.picture_names import title_of
+
 #: Colours that the colour-blind can tell apart [Okabe, Ito], on a light and on a dark ground.
 LIGHT = {"first": "#0072b2", "second": "#d55e00", "third": "#00795a"}
 DARK = {"first": "#56b4e9", "second": "#f0a030", "third": "#2fd0a0"}
 PRINT_WIDTH, PRINT_HEIGHT = 480, 300
+#: Pictures that are named below the plot of all.
+N_WORST = 3
 
 
 #: Key of a curve of the stages -> its colour, its mark, what it is.
@@ -156,6 +160,10 @@ class ResidualPlot(TrainingPlot):
         """Plot a bar for each picture; names are those of the pictures."""
         self._names = list(names)
         self.bars.setOpts(x=list(range(len(residuals_px))), height=list(residuals_px))
+        order = sorted(range(len(residuals_px)), key=lambda row: -residuals_px[row])
+        worst = [title_of(names[row]) for row in order[:N_WORST] if row < len(names)]
+        self._labels["bottom"] = f"picture (worst: {', '.join(worst)})" if worst else "picture"
+        self.paint_in(self.palette())
 
     def name_at(self, place: float) -> str:
         """Return the name of the picture whose bar is there, "" if there is none."""
@@ -166,7 +174,7 @@ class ResidualPlot(TrainingPlot):
         return float(self.getPlotItem().vb.mapSceneToView(position).x())
 
     def _on_moved(self, position: object) -> None:
-        self.setToolTip(self.name_at(self._place_of(position)))
+        self.setToolTip(title_of(self.name_at(self._place_of(position))))
 
     def _on_clicked(self, event: object) -> None:
         name = self.name_at(self._place_of(event.scenePos()))  # type: ignore[attr-defined]
