@@ -25,7 +25,7 @@ class Chooser(QComboBox):
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         # Long names of files and cameras must not widen the window.
         self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
-        self.setMinimumContentsLength(12)
+        self.setMinimumContentsLength(6)
         self.setIconSize(QSize(_IN_BOX_PX, _IN_BOX_PX))
         # The list that Qt makes itself draws all pictures as small as in the box.
         shown = QListView()

@@ -11,8 +11,8 @@ Other features add to it, in app.controllers.desk:
 
 from collections.abc import Callable, Sequence
 
-from PySide6.QtCore import QEvent, QSize, Qt, Signal
-from PySide6.QtGui import QAction, QCloseEvent, QKeyEvent, QPalette
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtGui import QAction, QCloseEvent, QKeyEvent, QPalette, QResizeEvent
 from PySide6.QtWidgets import (
     QAbstractButton,
     QAbstractItemView,
@@ -35,6 +35,7 @@ from app.views.files import ask_for_video
 from app.views.job_row import JobRow
 from app.views.live_actions import LiveActions
 from app.views.message_bar import MessageBar
+from app.views.narrow import fit_row
 from app.views.new_profile import NewProfileDialog
 from app.views.pane import Pane
 from app.views.panels import Panels
@@ -53,6 +54,8 @@ PROFILE_DEEDS = {
 #: Key of the choice not to track.
 NO_PROFILE = Choice("", "No profile")
 MARGIN_PX = 8
+#: The lists alone have room in it.
+LEAST_ROW_PX = 330
 #: Qt's word for no limit.
 QWIDGETSIZE_MAX = 16777215
 #: The menus from the left.
@@ -215,6 +218,12 @@ class LiveWindow(QMainWindow):
             event.setAccepted(self._is_needed(event))
         return bool(super().event(event))
 
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Leave out of the row of choices what has no room."""
+        if watched is self.choices and isinstance(event, QResizeEvent):
+            fit_row(self._pieces, self._optional, event.size().width())
+        return bool(super().eventFilter(watched, event))
+
     def _is_needed(self, event: QKeyEvent) -> bool:
         """Return whether what has the focus needs a key: Space presses, letters search in lists."""
         focus, plain = self.focusWidget(), Qt.KeyboardModifier.NoModifier
@@ -285,6 +294,7 @@ class LiveWindow(QMainWindow):
 
     def _fill_choices(self) -> None:
         row = QHBoxLayout(self.choices)
+        labels: list[QWidget] = []
         row.setContentsMargins(0, 0, 0, 0)
         row.setSpacing(6)
         for text, box in (
@@ -294,6 +304,7 @@ class LiveWindow(QMainWindow):
         ):
             label = QLabel(text)
             label.setBuddy(box)
+            labels.append(label)
             row.addWidget(label)
             row.addWidget(box, stretch=1)
             row.addSpacing(8)
@@ -302,3 +313,10 @@ class LiveWindow(QMainWindow):
         row.addStretch(1)
         row.addWidget(self.landmarks_box)
         row.addWidget(self.mirror_box)
+        # All that may be left out is in the menus, too.
+        self._optional = [
+            self.landmarks_box, self.mirror_box, self.new_profile_button, *labels,
+        ]  # fmt: skip
+        self._pieces = [*self._optional, self.sources, self.profiles, self.avatars]
+        self.choices.setMinimumWidth(LEAST_ROW_PX)
+        self.choices.installEventFilter(self)

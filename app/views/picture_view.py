@@ -68,7 +68,7 @@ class PictureView(QWidget):
         super().__init__(parent)
         self.setAccessibleName(name)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        self.setMinimumSize(240, 180)
+        self.setMinimumSize(160, 120)
         self._image: QImage | None = None
         self._layers: tuple[Layer, ...] = ()
         self._badge = ""

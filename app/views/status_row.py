@@ -3,9 +3,13 @@
 from dataclasses import dataclass
 
 from PySide6.QtCore import QSize
-from PySide6.QtGui import QColor, QPainter, QPaintEvent
+from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QLabel, QStatusBar, QWidget
 
+from app.views.narrow import fit_row
+
+#: Room for the state.
+LEAST_PX = 200
 GOOD, WAITING, OFF = QColor(46, 160, 67), QColor(219, 140, 0), QColor(128, 128, 128)
 #: State -> what people read, colour of the lamp. The text says all that the colour says.
 STATES = {
@@ -94,6 +98,7 @@ class StatusRow(QStatusBar):
         self.addWidget(self._lamp)
         self.addWidget(self._state, 1)
         self._fields = {name: self._add_field(name) for name in FIELDS}
+        self.setMinimumWidth(LEAST_PX)
         self.show_numbers(LiveNumbers("off"))
 
     @property
@@ -104,6 +109,12 @@ class StatusRow(QStatusBar):
     def field(self, name: str) -> str:
         """Return the text of one of FIELDS."""
         return self._fields[name].text()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Leave out the numbers that have no room."""
+        super().resizeEvent(event)
+        fields = list(self._fields.values())
+        fit_row(fields, fields[::-1], event.size().width() - LEAST_PX)
 
     def show_numbers(self, numbers: LiveNumbers) -> None:
         """Show the state and the numbers that mean something in it."""

@@ -105,7 +105,9 @@ class KeysPage(QWidget):
         self.list.setCurrentRow(0)
         self.list.setAccessibleName("Expression keys")
         rows = self.list.sizeHintForRow(0) * N_KEYS + 2 * self.list.frameWidth()
-        self.list.setFixedHeight(rows + 4)
+        # Where there is no room for all keys they are scrolled.
+        self.list.setMinimumHeight(3 * self.list.sizeHintForRow(0))
+        self.list.setMaximumHeight(rows + 4)
         self.face.addItem("Choose a face…", "")
         for name in self._faces:
             self.face.addItem(name, name)
@@ -155,7 +157,7 @@ class KeysPage(QWidget):
         inner.addLayout(buttons)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(6, 6, 6, 6)
-        layout.addWidget(self.list)
+        layout.addWidget(self.list, stretch=100)
         layout.addWidget(self.box)
         layout.addStretch(1)
 
