@@ -3,8 +3,15 @@
 from collections.abc import Sequence
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
-from PySide6.QtGui import QIcon, QKeyEvent, QWheelEvent
-from PySide6.QtWidgets import QComboBox, QListView, QWidget
+from PySide6.QtGui import QIcon, QKeyEvent, QPaintEvent, QWheelEvent
+from PySide6.QtWidgets import (
+    QComboBox,
+    QListView,
+    QStyle,
+    QStyleOptionComboBox,
+    QStylePainter,
+    QWidget,
+)
 
 from app.views.choice import Choice
 
@@ -60,8 +67,9 @@ class Chooser(QComboBox):
     def show_current(self) -> None:
         """Select what is really current, after a choice that came to nothing."""
         self.setCurrentIndex(self.findData(self._current))
-        details = self.itemData(self.currentIndex(), Qt.ItemDataRole.ToolTipRole)
-        self.setToolTip(details or "")
+        details = self.itemData(self.currentIndex(), Qt.ItemDataRole.ToolTipRole) or ""
+        text = self.currentText()
+        self.setToolTip(details if text in details else f"{text}: {details}")
 
     def showPopup(self) -> None:
         """Drop the list down."""
@@ -78,6 +86,23 @@ class Chooser(QComboBox):
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Choose nothing: the wheel scrolls what is around the box, or the open list."""
         event.ignore()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Paint the box; a text without room ends in dots, and is whole in the tool tip."""
+        if self.currentIndex() < 0:
+            super().paintEvent(event)
+            return
+        option, field = QStyleOptionComboBox(), QStyle.SubControl.SC_ComboBoxEditField
+        self.initStyleOption(option)
+        kind = QStyle.ComplexControl.CC_ComboBox
+        room = self.style().subControlRect(kind, option, field, self).width() - 6
+        room -= 0 if self.itemIcon(self.currentIndex()).isNull() else self.iconSize().width() + 4
+        elided = Qt.TextElideMode.ElideRight
+        option.currentText = self.fontMetrics().elidedText(self.currentText(), elided, room)
+        painter = QStylePainter(self)
+        painter.drawComplexControl(kind, option)
+        painter.drawControl(QStyle.ControlElement.CE_ComboBoxLabel, option)
+        painter.end()
 
     def _fit_list(self) -> None:
         """Make the list wide enough for its entries, though the box is narrower."""
