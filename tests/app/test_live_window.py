@@ -448,6 +448,7 @@ def test_the_dialog_says_what_is_missing_and_suggests_a_name(live, qtbot, tmp_pa
 
 def test_every_control_has_a_name_and_is_reached_by_the_keyboard(live, qtbot):
     window = live(FakeToolbox(cameras=()))
+    window.resize(1240, 600)
 
     def controls():
         found = [*window.findChildren(QComboBox), *window.findChildren(QAbstractButton)]
