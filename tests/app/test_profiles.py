@@ -41,7 +41,7 @@ def test_what_could_be_no_folder_everywhere_is_no_name(text):
 
 @pytest.mark.parametrize("text", ["CON", "nul", "com1.txt", "LPT9", "aux "])
 def test_names_of_devices_are_refused(text):
-    with pytest.raises(ProfileNameError, match="device|space or dot last"):
+    with pytest.raises(ProfileNameError, match=r"device|space or dot last"):
         profile_folder(text)
 
 

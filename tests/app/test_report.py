@@ -55,7 +55,13 @@ def rows_of(html):
 def test_the_report_says_how_good_it_is_beside_the_paper_and_without_training():
     html = report_html("me & <you>", REPORT)
     assert "me &amp; &lt;you&gt;" in html
-    for text in ("60 pictures", "0.66 px", "left out, no face was found: smile<", "turn 90° right", "href='p57'"):
+    for text in (
+        "60 pictures",
+        "0.66 px",
+        "left out, no face was found: smile<",
+        "turn 90° right",
+        "href='p57'",
+    ):
         assert text in html
     rows = {row[0]: row[1:] for row in rows_of(html) if row}
     assert rows["under 3 px"] == ["98.0 %", "98.0 %", "98.0 %", "73.3 %"]
