@@ -45,7 +45,7 @@ def refused(capsys, *arguments):
 def test_a_missing_source_or_profile_is_named(capsys, tmp_path, command):
     missing = tmp_path / "nothing.mp4"
     message = refused(capsys, command, "anna", missing)
-    name = "nothing.mp4" if command == "setup" else "facepuppet setup PROFILE SOURCE"
+    name = "nothing.mp4" if command == "setup" else "facepuppet setup on the command line"
     assert message.startswith("facepuppet: found no") and name in message
 
 

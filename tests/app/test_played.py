@@ -231,6 +231,8 @@ def test_space_presses_the_button_that_has_the_focus(window, qtbot):
     window.take("clip.mp4")
     qtbot.waitUntil(lambda: window.source_pane.has_picture)
     qtbot.waitUntil(window.isActiveWindow)
+    window.resize(1240, 600)
+    qtbot.waitUntil(window.mirror_box.isVisible)
     window.mirror_box.setFocus()
     before = window.mirror_box.isChecked()
     qtbot.keyClick(window.mirror_box, Qt.Key.Key_Space)

@@ -131,9 +131,7 @@ def test_a_weak_picture_says_why(qtbot, setup):
     assert "too dark" in page.sheet.item(0).toolTip()
     assert page.sheet.cells()[0].why == "too dark" and page.sheet.cells()[-1].why == ""
     assert not page.live.guide.good
-    assert (
-        re.search(r"\d weak", page.progress.format()) and setup.tools.speaker.played[-1] == "weak"
-    )
+    assert re.search(r"\d weak", page.progress.format()) and "weak" in setup.tools.speaker.played
     close(setup)
 
 
@@ -373,6 +371,8 @@ def test_landmarks_can_be_put_right_before_the_training(qtbot, setup):
     qtbot.waitUntil(lambda: setup.controller.editor is not None, timeout=10000)
     assert setup.controller.step == "check" and not setup.tools.open_now
     name = setup.controller.editor.name
+    # Keys work once the page has been shown.
+    qtbot.wait(100)
     QTest.keyClick(setup.window, Qt.Key.Key_K)
     editor = setup.controller.editor
     assert editor.selected == {0}

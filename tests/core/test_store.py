@@ -172,7 +172,7 @@ def test_the_unfinished_generation_of_a_killed_program_is_ignored_and_then_remov
 
 
 def test_no_profile_says_how_to_make_one(tmp_path):
-    with pytest.raises(ProfileMissingError, match="facepuppet setup PROFILE SOURCE"):
+    with pytest.raises(ProfileMissingError, match="facepuppet setup on the command line"):
         load(tmp_path / "nobody")
 
 
