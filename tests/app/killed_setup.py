@@ -54,11 +54,18 @@ def pictures_taken(bot, setup):
     shoot(bot, setup, 14)
 
 
-def nudge_a_point(canvas):
+def nudge_a_point(bot, editor):
     """Choose a landmark by a click and move it by a key."""
-    x, y = canvas.scene.points_px[0]
-    point = canvas.zoom.to_widget(float(x), float(y)).toPoint()
-    QTest.mouseClick(canvas, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, point)
+    canvas = editor.parent().canvas
+
+    def chosen():
+        # The picture finds its place only after the page has been shown.
+        x, y = canvas.scene.points_px[0]
+        point = canvas.zoom.to_widget(float(x), float(y)).toPoint()
+        QTest.mouseClick(canvas, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, point)
+        return bool(editor.selected)
+
+    bot.waitUntil(chosen, timeout=60_000)
     QTest.keyClick(canvas, Qt.Key.Key_Left)
 
 
@@ -66,7 +73,7 @@ def point_dragged(bot, setup):
     pictures_taken(bot, setup)
     setup.controller.show("check")
     bot.waitUntil(lambda: setup.controller.editor is not None, timeout=120_000)
-    nudge_a_point(setup.controller.editor.parent().canvas)
+    nudge_a_point(bot, setup.controller.editor)
 
 
 def training_begun(bot, setup):

@@ -72,7 +72,7 @@ def test_a_newcomer_gets_from_the_first_page_to_a_live_avatar(qtbot, home):
     next_page(qtbot, window, "check", controller)
     qtbot.waitUntil(lambda: controller.editor is not None, timeout=PATIENCE_MS)
     assert controller.editor is not None
-    nudge_a_point(controller.editor.parent().canvas)
+    nudge_a_point(qtbot, controller.editor)
     next_page(qtbot, window, "train", controller)
     book = Workbook(profile_folder(NAME), lambda rgb: None)
     assert sum(int(book.landmarks(name).edited.sum()) for name in QUICK) == 1
